@@ -1,0 +1,3 @@
+//! The command `pathspace` with the built-in integrators.
+
+fn main() {}

@@ -1,0 +1,108 @@
+//! How surfaces scatter, in the frame of the shading normal (z up, towards the front).
+//!
+//! Directions point away from the surface and are named by the side of the path that they lead to: `to_emitter` and
+//! `to_sensor` where the roles matter, `from` (the walk's previous vertex) and `to` (its next) where only the walk does.
+//! Nothing here knows shading normals, sidedness or the measure of a path; `SurfacePoint` adds what those need.
+
+mod diffuse;
+
+use std::fmt::Debug;
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
+use crate::spectrum::Rgb;
+
+pub use diffuse::Diffuse;
+
+/// The end of the path from which a walk started.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Side {
+    /// The walk started at the sensor: it draws `to_emitter`, coming from `to_sensor`.
+    Sensor,
+    /// The walk started at an emitter: it draws `to_sensor`, coming from `to_emitter`.
+    Emitter,
+}
+
+impl Side {
+    /// `(to_emitter, to_sensor)` of a walk from this side that comes from `from` and goes on along `to`.
+    #[must_use]
+    #[inline]
+    pub fn by_role(self, from: DVec3, to: DVec3) -> (DVec3, DVec3) {
+        match self {
+            Self::Sensor => (to, from),
+            Self::Emitter => (from, to),
+        }
+    }
+}
+
+/// How the next direction of a walk is distributed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LobeDensity {
+    /// A density with respect to solid angle \[1/sr\].
+    Finite(Density<SolidAngle>),
+    /// The coefficient of a Dirac distribution in projected solid angle *on the emitter's side*. A walk from the sensor
+    /// that takes the lobe with probability P has P; one from the emitter has P (η_o/η_i)², where η_o and η_i are the
+    /// indices of refraction on the sensor's and on the emitter's side, because dσ⊥ shrinks across the refraction.
+    Dirac(Density<ProjectedSolidAngle>),
+}
+
+/// The result of [`Bsdf::sample`].
+#[derive(Clone, Copy, Debug)]
+pub struct BsdfSample {
+    /// The drawn direction, away from the surface, of length one.
+    pub to: DVec3,
+    /// How likely it was.
+    pub density: LobeDensity,
+    /// `f_s(to_emitter → to_sensor)` \[1/sr\], or the Dirac coefficient of [`Bsdf::eval_dirac`].
+    pub value: Rgb,
+}
+
+/// What a model of scattering answers. All directions are unit vectors in the frame of the shading normal.
+pub trait BsdfModel: Debug + Send + Sync {
+    /// `f_s(to_emitter → to_sensor)` \[1/sr\] of the finite lobes, for radiance: refraction carries `(η_o/η_i)²`
+    /// (Veach 1997, §5.2). Zero where it does not scatter.
+    fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb;
+
+    /// The density with which a walk coming from `from` draws `to` by its finite lobes, the choice of lobe included.
+    fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle>;
+
+    /// The coefficient of the Dirac distribution `δ_σ⊥(to_emitter − …)` in `f_s`, for a pair of directions that the Dirac
+    /// lobe joins; which lobe (reflection or refraction) follows from their hemispheres. Zero without such a lobe.
+    fn eval_dirac(&self, _to_emitter: DVec3, _to_sensor: DVec3) -> Rgb {
+        Rgb::BLACK
+    }
+
+    /// The counterpart of [`density`](Self::density) for the Dirac lobes, as [`LobeDensity::Dirac`] defines it.
+    fn density_dirac(&self, _side: Side, _from: DVec3, _to: DVec3) -> Density<ProjectedSolidAngle> {
+        Density::ZERO
+    }
+
+    /// Draws the next direction of a walk that started on `side`; `None` where the walk ends. `u` is uniform in `[0, 1)³`.
+    fn sample(&self, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample>;
+
+    /// `(η_o/η_i)²` for the pair: the part of `f_s` that changes radiance but not energy. One without refraction.
+    fn radiance_scale(&self, _to_emitter: DVec3, _to_sensor: DVec3) -> f64 {
+        1.0
+    }
+
+    /// It has lobes with a finite density, so a connection to it can succeed.
+    fn has_finite(&self) -> bool {
+        true
+    }
+
+    /// It scatters through the surface: its back is the inside, and sidedness does not apply.
+    fn transmits(&self) -> bool {
+        false
+    }
+}
+
+/// A model of scattering.
+#[derive(Clone, Debug)]
+pub enum Bsdf {
+    /// Lambert's.
+    Diffuse(Diffuse),
+    /// A research model from outside.
+    Custom(Arc<dyn BsdfModel>),
+}

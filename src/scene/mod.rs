@@ -1,0 +1,6 @@
+//! From a file to a scene that can be traced.
+
+pub mod bsdf;
+pub mod description;
+
+pub use description::SceneDescription;
