@@ -1,6 +1,14 @@
 //! A path-space framework for research on light transport.
 
+pub mod estimator;
+pub mod film;
 pub mod geometry;
 pub mod measure;
+mod names;
+pub mod path;
+pub mod sampler;
 pub mod scene;
 pub mod spectrum;
+pub mod testing;
+pub mod warp;
+pub mod wide;

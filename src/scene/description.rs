@@ -80,6 +80,14 @@ pub struct Material {
     pub emission: Rgb,
 }
 
+impl Material {
+    /// It emits at all.
+    #[must_use]
+    pub fn emits(&self) -> bool {
+        !self.emission.is_black()
+    }
+}
+
 /// The models of scattering that a file can name; in glTF the material's `extras.pathspace.bsdf`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]

@@ -1,6 +1,197 @@
 //! From a file to a scene that can be traced.
 
+pub mod accel;
 pub mod bsdf;
+mod build;
 pub mod description;
+pub mod discrete;
+pub mod emitter;
+mod scatter;
+pub mod sensor;
 
+use glam::{DVec3, Vec3};
+
+use crate::geometry::Ray;
+use crate::measure::Probability;
+use crate::path::{Vertex, VertexKind};
+
+use accel::{Accel, Hit};
+use bsdf::Bsdf;
+use description::{Reference, RenderHints};
+use discrete::Discrete;
+use emitter::Emitter;
+use sensor::Sensor;
+
+pub use accel::PrimitiveId;
+pub use build::{BuildError, LightSelection, SceneOptions};
 pub use description::SceneDescription;
+pub use emitter::EmitterId;
+pub use scatter::Scattered;
+
+/// Index of a material of the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct MaterialId(pub u32);
+
+/// A scene ready for tracing. Positions are relative to [`centre`](Self::centre).
+#[derive(Debug)]
+pub struct Scene {
+    name: String,
+    source: std::path::PathBuf,
+    centre: DVec3,
+    accel: Accel,
+    /// Shading normals of the triangles' corners, by triangle; empty where no mesh has any.
+    normals: Vec<[Vec3; 3]>,
+    shapes: Vec<Shape>,
+    materials: Vec<SurfaceMaterial>,
+    emitters: Vec<Emitter>,
+    choice: Discrete,
+    environment: Option<EmitterId>,
+    sensor: Sensor,
+    hints: RenderHints,
+    reference: Option<Reference>,
+}
+
+/// What all triangles of a mesh, or a sphere, have in common.
+#[derive(Clone, Copy, Debug)]
+struct Shape {
+    material: MaterialId,
+    emitter: Option<EmitterId>,
+}
+
+/// How a surface scatters, and on which sides.
+#[derive(Clone, Debug)]
+struct SurfaceMaterial {
+    bsdf: Bsdf,
+    two_sided: bool,
+    transmits: bool,
+}
+
+impl Scene {
+    /// Its name in tables and file names.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The file that it was read from.
+    #[must_use]
+    pub fn source(&self) -> &std::path::Path {
+        &self.source
+    }
+
+    /// The point of the world that positions of vertices are relative to \[m\].
+    #[must_use]
+    pub fn centre(&self) -> DVec3 {
+        self.centre
+    }
+
+    /// Its camera.
+    #[must_use]
+    #[inline]
+    pub fn sensor(&self) -> &Sensor {
+        &self.sensor
+    }
+
+    /// What it suggests for rendering.
+    #[must_use]
+    pub fn hints(&self) -> RenderHints {
+        self.hints
+    }
+
+    /// What images of it are compared with.
+    #[must_use]
+    pub fn reference(&self) -> Option<&Reference> {
+        self.reference.as_ref()
+    }
+
+    /// The triangles and spheres.
+    #[must_use]
+    pub fn accel(&self) -> &Accel {
+        &self.accel
+    }
+
+    /// All emitters, in the order of their ids; there is at least one.
+    #[must_use]
+    pub fn emitters(&self) -> &[Emitter] {
+        &self.emitters
+    }
+
+    /// An emitter by its id.
+    #[must_use]
+    #[inline]
+    pub fn emitter(&self, id: EmitterId) -> &Emitter {
+        &self.emitters[id.0 as usize]
+    }
+
+    /// Chooses an emitter; `u` is uniform in `[0, 1)`.
+    #[must_use]
+    #[inline]
+    pub fn choose_emitter(&self, u: f64) -> EmitterId {
+        EmitterId(self.choice.sample(u) as u32)
+    }
+
+    /// The probability of [`choose_emitter`](Self::choose_emitter).
+    #[must_use]
+    #[inline]
+    pub fn emitter_probability(&self, id: EmitterId) -> Probability {
+        self.choice.probability(id.0 as usize)
+    }
+
+    /// The next vertex of a walk from `from` along the unit vector `direction`: a surface, the environment's sphere, or
+    /// nothing. Lenses are no obstacle.
+    #[must_use]
+    #[inline]
+    pub fn trace(&self, from: &Vertex, direction: DVec3) -> Option<Vertex> {
+        let ray = Ray::new(from.position, direction);
+        match self.accel.closest(&ray, from.primitive()) {
+            Some(hit) => Some(self.surface_vertex(&ray, &hit)),
+            None => self.environment_beyond(&ray),
+        }
+    }
+
+    /// `V(a, b)`: no surface lies strictly between. The same for both orders, bit for bit.
+    #[must_use]
+    #[inline]
+    pub fn visible(&self, a: &Vertex, b: &Vertex) -> bool {
+        !self.accel.occluded(a.position, a.primitive(), b.position, b.primitive())
+    }
+
+    fn environment_beyond(&self, ray: &Ray) -> Option<Vertex> {
+        match self.emitter(self.environment?) {
+            Emitter::Environment(environment) => Some(environment.beyond(ray.origin, ray.direction)),
+            _ => None,
+        }
+    }
+
+    #[inline]
+    fn surface_vertex(&self, ray: &Ray, hit: &Hit) -> Vertex {
+        let (position, normal, shading_normal, shape) = if let Some(sphere) = self.accel.as_sphere(hit.primitive) {
+            let normal = (ray.at(hit.t) - sphere.centre).normalize();
+            (sphere.centre + normal * sphere.radius, normal, normal, sphere.shape)
+        } else {
+            let triangle = self.accel.triangle(hit.primitive);
+            let normal = triangle.area_vector().normalize();
+            (triangle.point(hit.barycentric), normal, self.shading_normal(hit, normal), triangle.shape)
+        };
+        let Shape { material, emitter } = self.shapes[shape as usize];
+        let kind = VertexKind::Surface { primitive: hit.primitive, material, emitter };
+        Vertex { position, normal, shading_normal, kind }
+    }
+
+    #[inline]
+    fn shading_normal(&self, hit: &Hit, geometric: DVec3) -> DVec3 {
+        let Some(corners) = self.normals.get(hit.primitive.0 as usize) else { return geometric };
+        let [a, b, c] = corners.map(|n| n.as_dvec3());
+        let [v, w] = hit.barycentric;
+        // A flat mesh among smooth ones stores zeros.
+        (a * (1.0 - v - w) + b * v + c * w).try_normalize().unwrap_or(geometric)
+    }
+
+    #[inline]
+    fn material_of(&self, vertex: &Vertex) -> &SurfaceMaterial {
+        match vertex.kind {
+            VertexKind::Surface { material, .. } => &self.materials[material.0 as usize],
+            _ => unreachable!("only surfaces scatter"),
+        }
+    }
+}

@@ -1,1 +1,289 @@
-//! The integrator `light`.
+//! `light`: light tracing, also called particle tracing (Arvo 1986; Dutré & Willems 1994): the mirror image of path tracing.
+//!
+//! A path of k edges is drawn by two techniques: t = 1, where a point of the sensor is drawn for the walk's last vertex, and,
+//! if the sensor has a lens, t = 0, where the walk passes through it by chance. One walk is drawn for each pixel of the
+//! film, n = width · height in all, and each serves whichever pixel sees it.
+
+use std::iter;
+
+use glam::DVec3;
+use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
+use pathspace::measure::{Area, Density, Jacobian, SolidAngle};
+use pathspace::path::{Edge, Path, Roulette, Technique, Vertex};
+use pathspace::sampler::{Random, Tracer};
+use pathspace::scene::bsdf::{LobeDensity, Side};
+use pathspace::scene::sensor::Pixel;
+use pathspace::scene::{EmitterId, Scene};
+use pathspace::spectrum::Rgb;
+
+/// For the registry.
+pub const ENTRY: Entry = Entry {
+    name: "light",
+    summary: "light tracing: walks from the emitters, each vertex connected to the sensor",
+    build: |settings| Ok(Box::new(LightTracer::new(settings)?) as Box<dyn Integrator>),
+};
+
+/// The integrator and its settings.
+#[derive(Clone, Copy, Debug)]
+pub struct LightTracer {
+    /// Longest path in edges.
+    pub max_length: u32,
+    /// How walks end.
+    pub roulette: Roulette,
+    /// How the two techniques share a path.
+    pub heuristic: Heuristic,
+}
+
+impl LightTracer {
+    /// From the user's settings.
+    ///
+    /// # Errors
+    /// Where one makes no sense.
+    pub fn new(settings: &mut Settings) -> Result<Self, SettingsError> {
+        Ok(Self {
+            max_length: settings.max_length()?,
+            roulette: settings.roulette(Roulette::Throughput { start: 5 })?,
+            heuristic: settings.heuristic()?,
+        })
+    }
+}
+
+/// The walk from an emitter.
+struct Walk<'a, S> {
+    /// Number of walks that serve the film.
+    count: f64,
+    /// f/p of the walk so far, the emission included.
+    throughput: Rgb,
+    /// The same without the emission, for roulette.
+    energy: Rgb,
+    /// x_0 … with their Dirac marks, where the sink records.
+    history: Vec<(Vertex, bool)>,
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Walk<'_, S> {
+    /// Adds the path that ends with `rest` (nearest to the walk first), if a pixel sees it.
+    fn add(&mut self, technique: Technique, pixel: Pixel, value: Rgb, weight: f64, rest: &[Vertex]) {
+        let history = &self.history;
+        self.sink.add(Term { pixel, value: value * (weight / self.count), technique, weight }, || {
+            Path::new(history.iter().copied().chain(rest.iter().map(|v| (*v, false))))
+        });
+    }
+}
+
+/// How the walk leaves its present vertex.
+struct Departure {
+    from: Vertex,
+    direction: DVec3,
+    /// Density of that direction with roulette; `None` where a connection to the sensor could not have drawn the next vertex.
+    density: Option<Density<SolidAngle>>,
+}
+
+impl Estimator for LightTracer {
+    type Scratch = ();
+
+    fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, _pixel: Pixel, (): &mut (), sink: &mut S) {
+        let scene = tracer.scene();
+        let film = scene.sensor().film();
+        let id = scene.choose_emitter(random.uniform());
+        let mut walk = Walk {
+            count: f64::from(film.width) * f64::from(film.height),
+            throughput: Rgb::WHITE / scene.emitter_probability(id).value(),
+            energy: Rgb::WHITE,
+            history: Vec::new(),
+            sink,
+        };
+        let emission = scene.emitter(id).sample_emission(scene.accel(), random.uniform5());
+        self.add_emission(tracer, random, &mut walk, id, &emission.vertex);
+        let Some(mut departure) = self.emit(scene, &mut walk, id, &emission.vertex, emission.direction) else { return };
+        for edges in 1..=self.max_length {
+            let Some(vertex) = tracer.trace(&departure.from, departure.direction) else {
+                self.add_lens_hit(scene, &mut walk, &departure, f64::INFINITY, edges);
+                return;
+            };
+            let distance = (vertex.position - departure.from.position).length();
+            self.add_lens_hit(scene, &mut walk, &departure, distance, edges);
+            if !vertex.scatters() || edges == self.max_length {
+                return;
+            }
+            if scene.has_finite(&vertex) {
+                self.add_connection(tracer, random, &mut walk, &departure, &vertex, edges);
+            }
+            let Some(next) = self.scatter(scene, random, &mut walk, &departure, &vertex, edges) else { return };
+            departure = next;
+        }
+    }
+}
+
+impl LightTracer {
+    /// s = t = 1: the emitter itself is seen. The end whose point can be drawn on its own is drawn first.
+    fn add_emission<S: Sink>(
+        &self,
+        tracer: &mut Tracer<'_>,
+        random: &mut Random,
+        walk: &mut Walk<'_, S>,
+        id: EmitterId,
+        x0: &Vertex,
+    ) {
+        let scene = tracer.scene();
+        let (emitter, sensor) = (scene.emitter(id), scene.sensor());
+        if !emitter.can_be_hit() {
+            return;
+        }
+        let (x0, xk, density) = if emitter.is_local() {
+            let Some(direct) = sensor.sample_direct(x0, random.uniform2()) else { return };
+            let direction = x0.direction_to(&direct.vertex);
+            let position = emitter.emission_density(x0, direction).position;
+            (*x0, direct.vertex, position.value() * direct.density.value())
+        } else if sensor.has_position() {
+            let (xk, along) = sensor.sample(Pixel { x: 0, y: 0 }, random.uniform4());
+            let Some(direct) = emitter.sample_direct(scene.accel(), &xk, random.uniform3()) else { return };
+            (direct.vertex, xk, sensor.density(along).position.value() * direct.density.value())
+        } else {
+            return;
+        };
+        let edge = Edge::between(&x0, &xk);
+        let Some(importance) = sensor.importance(&xk, -edge.direction) else { return };
+        let weight = if sensor.can_be_hit() {
+            let by_chance = emitter.emission_density(&x0, edge.direction);
+            let by_chance = by_chance.position.value() * (by_chance.direction * to_area(&edge, &xk)).value();
+            self.heuristic.weight(iter::empty(), iter::once(by_chance / density))
+        } else {
+            1.0
+        };
+        let value = walk.throughput
+            * emitter.emission(&x0, edge.direction)
+            * (edge.geometry(&x0, &xk) * importance.value / density);
+        if !value.is_black() && tracer.visible(&x0, &xk) {
+            let rest = [x0, xk];
+            walk.add(Technique { s: 1, t: 1 }, importance.pixel, value, weight, &rest);
+        }
+    }
+
+    /// Starts the walk.
+    fn emit<S: Sink>(
+        &self,
+        scene: &Scene,
+        walk: &mut Walk<'_, S>,
+        id: EmitterId,
+        x0: &Vertex,
+        direction: DVec3,
+    ) -> Option<Departure> {
+        let emitter = scene.emitter(id);
+        let density = emitter.emission_density(x0, direction);
+        let weight = x0.abs_cos(direction) / (density.position.value() * density.direction.value());
+        walk.throughput *= emitter.emission(x0, direction) * weight;
+        if S::RECORDS {
+            walk.history.push((*x0, false));
+        }
+        // The very first edge has its own pair of densities: see `add_lens_hit`.
+        (!walk.throughput.is_black()).then_some(Departure { from: *x0, direction, density: Some(density.direction) })
+    }
+
+    /// t = 0: the walk passes through the lens on its way.
+    fn add_lens_hit<S: Sink>(
+        &self,
+        scene: &Scene,
+        walk: &mut Walk<'_, S>,
+        departure: &Departure,
+        t_max: f64,
+        edges: u32,
+    ) {
+        let x = &departure.from;
+        let Some(xk) = scene.sensor().crossing(x, departure.direction, t_max) else { return };
+        if edges == 1 && !x.emitter().is_some_and(|id| scene.emitter(id).can_be_hit()) {
+            return;
+        }
+        let Some(importance) = scene.sensor().importance(&xk, -departure.direction) else { return };
+        let edge = Edge::between(x, &xk);
+        let weight = departure.density.map_or(1.0, |density| {
+            let by_chance = (density * to_area(&edge, &xk)).value();
+            let connected = self.connection_density(scene, x, &xk, edges);
+            self.heuristic.weight(iter::once(connected / by_chance), iter::empty())
+        });
+        let technique = Technique { s: edges + 1, t: 0 };
+        walk.add(technique, importance.pixel, walk.throughput * importance.value * xk.abs_cos(edge.direction), weight, &[xk]);
+    }
+
+    /// The density of t = 1 for the last vertex, relative to the walk's own up to the one before.
+    fn connection_density(&self, scene: &Scene, x: &Vertex, xk: &Vertex, edges: u32) -> f64 {
+        let direct = scene.sensor().direct_density(x, xk).value();
+        let emitter = x.emitter().map(|id| scene.emitter(id));
+        let Some(emitter) = emitter.filter(|emitter| edges == 1 && !emitter.is_local()) else { return direct };
+        // s = t = 1 draws x_k first and x_0 for it.
+        let edge = Edge::between(xk, x);
+        let walk = emitter.emission_density(x, -edge.direction).position.value();
+        let position = scene.sensor().density(edge.direction).position.value();
+        position * emitter.direct_density(scene.accel(), xk, x, &edge).value() / walk
+    }
+
+    /// t = 1: a point of the sensor is drawn for the walk's vertex.
+    fn add_connection<S: Sink>(
+        &self,
+        tracer: &mut Tracer<'_>,
+        random: &mut Random,
+        walk: &mut Walk<'_, S>,
+        departure: &Departure,
+        x: &Vertex,
+        edges: u32,
+    ) {
+        let scene = tracer.scene();
+        let Some(direct) = scene.sensor().sample_direct(x, random.uniform2()) else { return };
+        let xk = direct.vertex;
+        let edge = Edge::between(x, &xk);
+        let Some(importance) = scene.sensor().importance(&xk, -edge.direction) else { return };
+        let (to_emitter, to_sensor) = (-departure.direction, edge.direction);
+        let scattered = scene.scatter(x, to_emitter, to_sensor);
+        if scattered.is_black() {
+            return;
+        }
+        let density: Density<Area> = direct.density;
+        let weight = if scene.sensor().can_be_hit() {
+            let by_chance = scene.scatter_density(x, to_emitter, to_sensor);
+            let local = scattered * (x.abs_cos(to_sensor) / by_chance.value());
+            let survival = self.roulette.survival(edges, local, walk.energy * local);
+            let by_chance = by_chance * survival * to_area(&edge, &xk);
+            self.heuristic.weight(iter::empty(), iter::once(by_chance / density))
+        } else {
+            1.0
+        };
+        let value = walk.throughput * scattered * (edge.geometry(x, &xk) * importance.value / density.value());
+        if !value.is_black() && tracer.visible(x, &xk) {
+            walk.add(Technique { s: edges + 1, t: 1 }, importance.pixel, value, weight, &[*x, xk]);
+        }
+    }
+
+    /// Draws the walk's next direction, and whether there is one.
+    fn scatter<S: Sink>(
+        &self,
+        scene: &Scene,
+        random: &mut Random,
+        walk: &mut Walk<'_, S>,
+        departure: &Departure,
+        vertex: &Vertex,
+        edges: u32,
+    ) -> Option<Departure> {
+        let scattered = scene.sample_scatter(vertex, Side::Emitter, -departure.direction, random.uniform3())?;
+        let local = scattered.weight(vertex);
+        let survival = self.roulette.survival(edges, local, walk.energy * local);
+        if survival <= 0.0 || (survival < 1.0 && random.uniform() >= survival) {
+            return None;
+        }
+        walk.throughput *= local / survival;
+        walk.energy *= local / survival;
+        if S::RECORDS {
+            walk.history.push((*vertex, scattered.is_dirac()));
+        }
+        let density = match scattered.density {
+            LobeDensity::Finite(density) => Some(density * survival),
+            LobeDensity::Dirac(_) => None,
+        };
+        Some(Departure { from: *vertex, direction: scattered.to, density })
+    }
+}
+
+/// From directions at the edge's start to points at its end.
+#[inline]
+fn to_area(edge: &Edge, end: &Vertex) -> Jacobian<SolidAngle, Area> {
+    Jacobian::solid_angle_to_area(end.abs_cos(edge.direction), edge.length_squared)
+}

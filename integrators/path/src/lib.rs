@@ -1,1 +1,226 @@
-//! The integrator `path`.
+//! `path`: unidirectional path tracing with next-event estimation and multiple importance sampling (Kajiya 1986; Veach 1997,
+//! chapter 9).
+//!
+//! A path of k edges is drawn by two techniques: s = 0, where the walk from the sensor hits the emitter by chance, and s = 1,
+//! where a point of an emitter is drawn for the walk's last vertex.
+
+use std::iter;
+
+use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
+use pathspace::measure::{Area, Density, Jacobian, SolidAngle};
+use pathspace::path::{Edge, Path, Roulette, Technique, Vertex};
+use pathspace::sampler::{Random, Tracer};
+use pathspace::scene::Scene;
+use pathspace::scene::bsdf::{LobeDensity, Side};
+use pathspace::scene::sensor::Pixel;
+use pathspace::spectrum::Rgb;
+
+/// For the registry.
+pub const ENTRY: Entry = Entry {
+    name: "path",
+    summary: "path tracing from the sensor, with next-event estimation and MIS",
+    build: |settings| Ok(Box::new(PathTracer::new(settings)?) as Box<dyn Integrator>),
+};
+
+/// The integrator and its settings.
+#[derive(Clone, Copy, Debug)]
+pub struct PathTracer {
+    /// Longest path in edges.
+    pub max_length: u32,
+    /// How walks end.
+    pub roulette: Roulette,
+    /// How the two techniques share a path.
+    pub heuristic: Heuristic,
+}
+
+impl PathTracer {
+    /// From the user's settings.
+    ///
+    /// # Errors
+    /// Where one makes no sense.
+    pub fn new(settings: &mut Settings) -> Result<Self, SettingsError> {
+        Ok(Self {
+            max_length: settings.max_length()?,
+            roulette: settings.roulette(Roulette::Throughput { start: 5 })?,
+            heuristic: settings.heuristic()?,
+        })
+    }
+}
+
+/// The walk from the sensor.
+struct Walk<'a, S> {
+    pixel: Pixel,
+    /// f/p of the walk so far.
+    throughput: Rgb,
+    /// The same without the radiance's η², for roulette.
+    energy: Rgb,
+    /// x_k … with their Dirac marks, where the sink records.
+    history: Vec<(Vertex, bool)>,
+    sink: &'a mut S,
+}
+
+impl<S: Sink> Walk<'_, S> {
+    /// Adds the path that ends with `rest` (nearest to the walk first).
+    fn add(&mut self, value: Rgb, edges: u32, s: u32, weight: f64, rest: &[Vertex]) {
+        let technique = Technique { s, t: edges + 1 - s };
+        let history = &self.history;
+        self.sink.add(Term { pixel: self.pixel, value, technique, weight }, || {
+            let rest = rest.iter().rev().map(|v| (*v, false));
+            Path::new(rest.chain(history.iter().rev().copied()))
+        });
+    }
+}
+
+/// How the walk came to its present vertex.
+struct Arrival {
+    from: Vertex,
+    direction: glam::DVec3,
+    /// Density of that direction with roulette; `None` where next-event estimation could not have drawn the vertex.
+    density: Option<Density<SolidAngle>>,
+}
+
+impl Estimator for PathTracer {
+    type Scratch = ();
+
+    fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
+        let scene = tracer.scene();
+        let (xk, direction) = scene.sensor().sample(pixel, random.uniform4());
+        let mut walk = Walk { pixel, throughput: Rgb::WHITE, energy: Rgb::WHITE, history: Vec::new(), sink };
+        if S::RECORDS {
+            walk.history.push((xk, false));
+        }
+        let mut arrival = Arrival { from: xk, direction, density: None };
+        for edges in 1..=self.max_length {
+            let Some(vertex) = tracer.trace(&arrival.from, arrival.direction) else { return };
+            self.add_emission(scene, &mut walk, &arrival, &vertex, edges);
+            if !vertex.scatters() || edges == self.max_length {
+                return;
+            }
+            if scene.has_finite(&vertex) {
+                self.add_direct_light(tracer, random, &mut walk, &arrival, &vertex, edges);
+            }
+            let Some(next) = self.scatter(scene, random, &mut walk, &arrival, &vertex, edges) else { return };
+            arrival = next;
+        }
+    }
+}
+
+impl PathTracer {
+    /// s = 0: the walk has met an emitter.
+    #[inline]
+    fn add_emission<S: Sink>(&self, scene: &Scene, walk: &mut Walk<'_, S>, arrival: &Arrival, x0: &Vertex, edges: u32) {
+        let Some(id) = x0.emitter() else { return };
+        let emission = scene.emitter(id).emission(x0, -arrival.direction);
+        if emission.is_black() {
+            return;
+        }
+        let weight = arrival.density.map_or(1.0, |density| {
+            let edge = Edge::between(&arrival.from, x0);
+            let by_chance = density * to_area(&edge, x0);
+            let direct = self.direct_density(scene, &arrival.from, x0, &edge);
+            self.heuristic.weight(iter::empty(), iter::once(direct / by_chance))
+        });
+        walk.add(walk.throughput * emission * weight, edges, 0, weight, &[*x0]);
+    }
+
+    /// s = 1: an emitter's point is drawn for the walk's vertex.
+    #[inline]
+    fn add_direct_light<S: Sink>(
+        &self,
+        tracer: &mut Tracer<'_>,
+        random: &mut Random,
+        walk: &mut Walk<'_, S>,
+        arrival: &Arrival,
+        x1: &Vertex,
+        edges: u32,
+    ) {
+        let scene = tracer.scene();
+        let id = scene.choose_emitter(random.uniform());
+        let emitter = scene.emitter(id);
+        let Some(direct) = emitter.sample_direct(scene.accel(), x1, random.uniform3()) else { return };
+        let x0 = direct.vertex;
+        let edge = Edge::between(x1, &x0);
+        let emission = emitter.emission(&x0, -edge.direction);
+        if emission.is_black() {
+            return;
+        }
+        let (to_emitter, to_sensor) = (edge.direction, -arrival.direction);
+        let scattered = scene.scatter(x1, to_emitter, to_sensor);
+        if scattered.is_black() {
+            return;
+        }
+        let density = scene.emitter_probability(id).value() * direct.density;
+        let weight = if emitter.can_be_hit() {
+            let by_chance = scene.scatter_density(x1, to_sensor, to_emitter);
+            let local = scattered * (x1.abs_cos(to_emitter) / by_chance.value());
+            let survival = self.survival(scene, walk.energy, x1, to_emitter, to_sensor, local, edges);
+            let by_chance = by_chance * survival * to_area(&edge, &x0);
+            self.heuristic.weight(iter::once(by_chance / density), iter::empty())
+        } else {
+            1.0
+        };
+        let value = walk.throughput * scattered * emission * (edge.geometry(x1, &x0) * weight / density.value());
+        if !value.is_black() && tracer.visible(x1, &x0) {
+            walk.add(value, edges + 1, 1, weight, &[*x1, x0]);
+        }
+    }
+
+    /// Draws the walk's next direction, and whether there is one.
+    #[inline]
+    fn scatter<S: Sink>(
+        &self,
+        scene: &Scene,
+        random: &mut Random,
+        walk: &mut Walk<'_, S>,
+        arrival: &Arrival,
+        vertex: &Vertex,
+        edges: u32,
+    ) -> Option<Arrival> {
+        let to_sensor = -arrival.direction;
+        let scattered = scene.sample_scatter(vertex, Side::Sensor, to_sensor, random.uniform3())?;
+        let local = scattered.weight(vertex);
+        let survival = self.survival(scene, walk.energy, vertex, scattered.to, to_sensor, local, edges);
+        if survival <= 0.0 || (survival < 1.0 && random.uniform() >= survival) {
+            return None;
+        }
+        walk.throughput *= local / survival;
+        walk.energy *= local / (survival * scene.radiance_scale(vertex, scattered.to, to_sensor));
+        if S::RECORDS {
+            walk.history.push((*vertex, scattered.is_dirac()));
+        }
+        let density = match scattered.density {
+            LobeDensity::Finite(density) => Some(density * survival),
+            LobeDensity::Dirac(_) => None,
+        };
+        Some(Arrival { from: *vertex, direction: scattered.to, density })
+    }
+
+    /// Survival at a vertex that scatters with the weight `local` (η² included).
+    #[inline]
+    fn survival(
+        &self,
+        scene: &Scene,
+        energy: Rgb,
+        vertex: &Vertex,
+        to_emitter: glam::DVec3,
+        to_sensor: glam::DVec3,
+        local: Rgb,
+        edges: u32,
+    ) -> f64 {
+        let local = local / scene.radiance_scale(vertex, to_emitter, to_sensor);
+        self.roulette.survival(edges, local, energy * local)
+    }
+
+    /// The density with which next-event estimation draws x_0 for x_1.
+    #[inline]
+    fn direct_density(&self, scene: &Scene, x1: &Vertex, x0: &Vertex, edge: &Edge) -> Density<Area> {
+        let Some(id) = x0.emitter() else { return Density::ZERO };
+        scene.emitter_probability(id).value() * scene.emitter(id).direct_density(scene.accel(), x1, x0, edge)
+    }
+}
+
+/// From directions at the edge's start to points at its end.
+#[inline]
+fn to_area(edge: &Edge, end: &Vertex) -> Jacobian<SolidAngle, Area> {
+    Jacobian::solid_angle_to_area(end.abs_cos(edge.direction), edge.length_squared)
+}

@@ -1,0 +1,192 @@
+//! An integrator's settings, as the user writes them: `name:key=value:key=value`.
+
+use std::collections::BTreeMap;
+use std::fmt::Display;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+use crate::path::Roulette;
+
+use super::heuristic::Heuristic;
+
+/// Settings given by the user. Each is read once; what is read is remembered with the value that applies, so that a run can
+/// be repeated, and what nobody reads is an error.
+#[derive(Clone, Debug, Default)]
+pub struct Settings {
+    given: BTreeMap<String, String>,
+    resolved: BTreeMap<String, String>,
+}
+
+/// A setting that makes no sense.
+#[derive(Debug, Error, PartialEq)]
+pub enum SettingsError {
+    /// There is none of this name.
+    #[error("unknown setting '{name}'{suggestion}; known: {known}")]
+    Unknown {
+        /// The name.
+        name: String,
+        /// `, did you mean …?` or nothing.
+        suggestion: String,
+        /// All names.
+        known: String,
+    },
+    /// Its value is wrong.
+    #[error("setting {name}={value}: {expected}")]
+    Value {
+        /// The name.
+        name: String,
+        /// The value.
+        value: String,
+        /// What would be right.
+        expected: String,
+    },
+    /// It is not of the form `key=value`.
+    #[error("'{0}' is no setting: write key=value")]
+    Form(String),
+}
+
+impl Settings {
+    /// From `key=value` pairs separated by colons.
+    ///
+    /// # Errors
+    /// Where a part has no `=`.
+    pub fn parse(text: &str) -> Result<Self, SettingsError> {
+        let mut settings = Self::default();
+        for part in text.split(':').filter(|p| !p.is_empty()) {
+            let (key, value) = part.split_once('=').ok_or_else(|| SettingsError::Form(part.into()))?;
+            settings.given.insert(key.trim().into(), value.trim().into());
+        }
+        Ok(settings)
+    }
+
+    /// Sets a value unless the user gave one.
+    pub fn set_default(&mut self, name: &str, value: impl Display) {
+        self.given.entry(name.into()).or_insert_with(|| value.to_string());
+    }
+
+    /// The value of a setting, or `default`.
+    ///
+    /// # Errors
+    /// Where it does not parse; `expected` says what would.
+    pub fn get<T: FromStr + Display>(&mut self, name: &str, default: T, expected: &str) -> Result<T, SettingsError> {
+        let value = match self.given.get(name) {
+            Some(text) => text.parse().map_err(|_| Self::wrong(name, text, expected))?,
+            None => default,
+        };
+        self.resolved.insert(name.into(), value.to_string());
+        Ok(value)
+    }
+
+    /// `max_length`: the longest path in edges, `none` for unlimited.
+    ///
+    /// # Errors
+    /// Where it is no whole number from 1 on.
+    pub fn max_length(&mut self) -> Result<u32, SettingsError> {
+        let text = self.get("max_length", "none".to_owned(), "")?;
+        match text.as_str() {
+            "none" => Ok(u32::MAX),
+            _ => text.parse().ok().filter(|&n| n >= 1).ok_or_else(|| {
+                Self::wrong("max_length", &text, "a whole number of edges from 1 on, or none for unlimited")
+            }),
+        }
+    }
+
+    /// `roulette` (`off`, `local`, `throughput`) and `roulette_start`, the edges before its first decision.
+    ///
+    /// # Errors
+    /// Where the kind is unknown or the start no whole number.
+    pub fn roulette(&mut self, default: Roulette) -> Result<Roulette, SettingsError> {
+        let (kind, start) = match default {
+            Roulette::Off => ("off", 5),
+            Roulette::Local { start } => ("local", start),
+            Roulette::Throughput { start } => ("throughput", start),
+        };
+        let kind = self.get("roulette", kind.to_owned(), "")?;
+        let start = match kind.as_str() {
+            "off" => 0,
+            _ => self.get("roulette_start", start, "a whole number of edges")?,
+        };
+        match kind.as_str() {
+            "off" => Ok(Roulette::Off),
+            "local" => Ok(Roulette::Local { start }),
+            "throughput" => Ok(Roulette::Throughput { start }),
+            _ => Err(Self::wrong("roulette", &kind, "off, local or throughput")),
+        }
+    }
+
+    /// `heuristic` (`balance`, `power`, `maximum`, `cutoff`), `exponent` for power, `threshold` for cutoff.
+    ///
+    /// # Errors
+    /// Where the name is unknown or a parameter out of range.
+    pub fn heuristic(&mut self) -> Result<Heuristic, SettingsError> {
+        let name = self.get("heuristic", "balance".to_owned(), "")?;
+        match name.as_str() {
+            "balance" => Ok(Heuristic::Balance),
+            "maximum" => Ok(Heuristic::Maximum),
+            "power" => {
+                let exponent = self.get("exponent", 2.0, "a number above 0")?;
+                let valid = exponent > 0.0 && exponent < f64::INFINITY;
+                valid.then_some(Heuristic::Power { exponent }).ok_or_else(|| {
+                    Self::wrong("exponent", &exponent.to_string(), "a number above 0")
+                })
+            }
+            "cutoff" => {
+                let threshold = self.get("threshold", 0.1, "a number from 0 to 1")?;
+                (0.0..=1.0).contains(&threshold).then_some(Heuristic::Cutoff { threshold }).ok_or_else(|| {
+                    Self::wrong("threshold", &threshold.to_string(), "a number from 0 to 1")
+                })
+            }
+            _ => Err(Self::wrong("heuristic", &name, "balance, power, maximum or cutoff")),
+        }
+    }
+
+    /// All settings with the values that apply, once every known one has been read.
+    ///
+    /// # Errors
+    /// Where the user gave one that nobody read.
+    pub fn finish(self) -> Result<BTreeMap<String, String>, SettingsError> {
+        let unread = self.given.keys().find(|name| !self.resolved.contains_key(*name));
+        match unread {
+            None => Ok(self.resolved),
+            Some(name) => Err(SettingsError::Unknown {
+                name: name.clone(),
+                suggestion: crate::names::did_you_mean(name, self.resolved.keys().map(String::as_str)),
+                known: self.resolved.keys().cloned().collect::<Vec<_>>().join(", "),
+            }),
+        }
+    }
+
+    fn wrong(name: &str, value: &str, expected: &str) -> SettingsError {
+        SettingsError::Value { name: name.into(), value: value.into(), expected: format!("expected {expected}") }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reads_what_is_given_and_remembers_what_applies() {
+        let mut settings = Settings::parse("heuristic=power:exponent=3").expect("well formed");
+        assert_eq!(settings.heuristic(), Ok(Heuristic::Power { exponent: 3.0 }));
+        assert_eq!(settings.max_length(), Ok(u32::MAX));
+        let resolved = settings.finish().expect("all read");
+        assert_eq!(resolved["exponent"], "3");
+        assert_eq!(resolved["max_length"], "none");
+    }
+
+    #[test]
+    fn refuses_what_makes_no_sense() {
+        let mut settings = Settings::parse("max_lenght=3").expect("well formed");
+        assert_eq!(settings.max_length(), Ok(u32::MAX));
+        let message = settings.finish().expect_err("misspelt").to_string();
+        assert!(message.contains("did you mean 'max_length'?"), "{message}");
+        for (text, part) in [("max_length=0", "from 1 on"), ("max_length=x", "from 1 on")] {
+            let message = Settings::parse(text).expect("well formed").max_length().expect_err("wrong").to_string();
+            assert!(message.contains(part), "{message}");
+        }
+        assert!(Settings::parse("power").is_err());
+        assert!(Settings::parse("heuristic=powr").expect("well formed").heuristic().is_err());
+    }
+}

@@ -1,0 +1,52 @@
+//! Where an integrator puts what it finds.
+
+use crate::path::{Path, Technique};
+use crate::scene::sensor::Pixel;
+use crate::spectrum::Rgb;
+
+/// One term of the estimator: `w_i(x̄) f_j(x̄) / (n_i p_i(x̄))` for a path x̄ drawn by technique i.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Term {
+    /// The pixel j that sees the path.
+    pub pixel: Pixel,
+    /// The term's value.
+    pub value: Rgb,
+    /// The technique i.
+    pub technique: Technique,
+    /// `w_i(x̄)`.
+    pub weight: f64,
+}
+
+/// Takes the terms of the estimator one by one.
+pub trait Sink {
+    /// It looks at the paths themselves. Where it does not, the code that would remember them is not compiled.
+    const RECORDS: bool;
+
+    /// Takes a term; `path` makes the path it belongs to, and is called only by sinks that record.
+    fn add(&mut self, term: Term, path: impl FnOnce() -> Option<Path>);
+}
+
+/// A term with its path, for tests and for looking.
+#[derive(Clone, Debug)]
+pub struct RecordedTerm {
+    /// The term.
+    pub term: Term,
+    /// Its path.
+    pub path: Path,
+}
+
+/// Remembers everything.
+#[derive(Clone, Debug, Default)]
+pub struct Recorder {
+    /// The terms in the order of their arrival.
+    pub terms: Vec<RecordedTerm>,
+}
+
+impl Sink for Recorder {
+    const RECORDS: bool = true;
+
+    fn add(&mut self, term: Term, path: impl FnOnce() -> Option<Path>) {
+        let path = path().expect("an integrator remembers its paths for a sink that records");
+        self.terms.push(RecordedTerm { term, path });
+    }
+}

@@ -1,0 +1,163 @@
+//! p_{s,t}(x̄), the density with which a bidirectional technique draws a path.
+
+use serde::{Deserialize, Serialize};
+
+use crate::measure::{Area, Density, Jacobian};
+use crate::scene::Scene;
+use crate::scene::bsdf::Side;
+use crate::scene::emitter::Emitter;
+use crate::spectrum::Rgb;
+use crate::wide::Wide;
+
+use super::{Edge, Path, Roulette, Technique, Vertex};
+
+/// How the walks of an integrator end: part of what its densities depend on.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct WalkRules {
+    /// Roulette of walks from the sensor.
+    pub sensor: Roulette,
+    /// Roulette of walks from the emitters.
+    pub emitter: Roulette,
+}
+
+/// One step of a walk, evaluated for given vertices.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Density of the next vertex, without roulette.
+    pub density: Density<Area>,
+    /// `f_s |cos θ| / p_σ` without the radiance's η²: what roulette decides by.
+    pub energy: Rgb,
+}
+
+impl Scene {
+    /// `p_{s,t}(x̄)` in area measure, for one walk of each kind: what pixel j's own walks from the sensor, or any walk from
+    /// the emitters, draw. Zero where the technique cannot draw the path. Dirac distributions enter by their coefficients.
+    #[must_use]
+    pub fn path_density(&self, path: &Path, technique: Technique, rules: &WalkRules) -> Wide {
+        let k = path.edges();
+        let (s, t) = (technique.s as usize, technique.t as usize);
+        assert_eq!(s + t, k + 1, "a technique has as many vertices as the path");
+        if !self.can_draw(path, s, t) {
+            return Wide::ZERO;
+        }
+        if (s, t) == (1, 1) {
+            return self.density_of_two(path);
+        }
+        self.emitter_walk_density(path, s, rules.emitter) * self.sensor_walk_density(path, t, rules.sensor)
+    }
+
+    /// No Dirac distribution of the path is left undrawn by the technique.
+    fn can_draw(&self, path: &Path, s: usize, t: usize) -> bool {
+        let k = path.edges();
+        let emitter = path.vertex(0).emitter().map(|id| self.emitter(id));
+        let hit_at_start = emitter.is_some_and(Emitter::can_be_hit);
+        if emitter.is_none() || (k == 1 && !hit_at_start) {
+            return false;
+        }
+        match (s, t) {
+            (0, _) => hit_at_start,
+            (_, 0) => self.sensor().can_be_hit(),
+            _ => !path.is_dirac(s - 1) && !path.is_dirac(s),
+        }
+    }
+
+    /// s = t = 1. The end that has a density of its own is drawn first, then the other for it.
+    fn density_of_two(&self, path: &Path) -> Wide {
+        let (x0, x1) = (path.vertex(0), path.vertex(1));
+        let edge = Edge::between(x0, x1);
+        let Some((id, emitter)) = x0.emitter().map(|id| (id, self.emitter(id))) else { return Wide::ZERO };
+        let choice = self.emitter_probability(id).value();
+        let (first, second) = if emitter.is_local() {
+            let x0_density = emitter.emission_density(x0, edge.direction).position;
+            (x0_density, self.sensor().direct_density(x0, x1))
+        } else if self.sensor().has_position() {
+            let back = Edge { direction: -edge.direction, ..edge };
+            let x1_density = self.sensor().density(back.direction).position;
+            (emitter.direct_density(self.accel(), x1, x0, &back), x1_density)
+        } else {
+            return Wide::ZERO;
+        };
+        Wide::new(choice) * first.value() * second.value()
+    }
+
+    /// Density of x_0 … x_{s−1}.
+    fn emitter_walk_density(&self, path: &Path, s: usize, roulette: Roulette) -> Wide {
+        if s == 0 {
+            return Wide::ONE;
+        }
+        let (x0, x1) = (path.vertex(0), path.vertex(1));
+        let edge = Edge::between(x0, x1);
+        let Some(id) = x0.emitter() else { return Wide::ZERO };
+        let choice = Wide::new(self.emitter_probability(id).value());
+        if s == 1 {
+            let back = Edge { direction: -edge.direction, ..edge };
+            return choice * self.emitter(id).direct_density(self.accel(), x1, x0, &back).value();
+        }
+        let first = self.emitter(id).emission_density(x0, edge.direction);
+        let to_area = Jacobian::solid_angle_to_area(x1.abs_cos(edge.direction), edge.length_squared);
+        let start = choice * first.position.value() * (first.direction * to_area).value();
+        let vertices: Vec<(&Vertex, bool)> = (0..s).map(|i| (path.vertex(i), path.is_dirac(i))).collect();
+        start * self.walk_density(&vertices, Side::Emitter, roulette)
+    }
+
+    /// Density of x_k … x_s, t of them, for the pixel that they belong to.
+    fn sensor_walk_density(&self, path: &Path, t: usize, roulette: Roulette) -> Wide {
+        if t == 0 {
+            return Wide::ONE;
+        }
+        let k = path.edges();
+        let (xk, before) = (path.vertex(k), path.vertex(k - 1));
+        if t == 1 {
+            return Wide::new(self.sensor().direct_density(before, xk).value());
+        }
+        let edge = Edge::between(xk, before);
+        let last = self.sensor().density(edge.direction);
+        let to_area = Jacobian::solid_angle_to_area(before.abs_cos(edge.direction), edge.length_squared);
+        let start = Wide::new(last.position.value()) * (last.direction * to_area).value();
+        let vertices: Vec<(&Vertex, bool)> = (0..t).map(|i| (path.vertex(k - i), path.is_dirac(k - i))).collect();
+        start * self.walk_density(&vertices, Side::Sensor, roulette)
+    }
+
+    /// Density of the third and later vertices of a walk, given its first two.
+    fn walk_density(&self, walk: &[(&Vertex, bool)], side: Side, roulette: Roulette) -> Wide {
+        let mut density = Wide::ONE;
+        let mut throughput = Rgb::WHITE;
+        for i in 1..walk.len() - 1 {
+            let (at, dirac) = walk[i];
+            let Some(step) = self.step(side, walk[i - 1].0, at, walk[i + 1].0, dirac) else { return Wide::ZERO };
+            throughput *= step.energy;
+            let survival = roulette.survival(i as u32, step.energy, throughput);
+            throughput = throughput / survival;
+            density = density * step.density.value() * survival;
+        }
+        density
+    }
+
+    /// How a walk that started on `side` and came from `previous` goes on from `at` to `next`. `None` where it never does.
+    #[must_use]
+    pub fn step(&self, side: Side, previous: &Vertex, at: &Vertex, next: &Vertex, dirac: bool) -> Option<Step> {
+        if !at.scatters() {
+            return None;
+        }
+        let from = at.direction_to(previous);
+        let edge = Edge::between(at, next);
+        let to = edge.direction;
+        let (to_emitter, to_sensor) = side.by_role(from, to);
+        let (cos_at, cos_next) = (at.abs_cos(to), next.abs_cos(to));
+        let (density, weight) = if dirac {
+            let density = self.scatter_dirac_density(at, side, from, to);
+            let area = density * Jacobian::projected_to_area(cos_at, cos_next, edge.length_squared);
+            (area, self.scatter_dirac(at, to_emitter, to_sensor) / density.value())
+        } else {
+            let density = self.scatter_density(at, from, to);
+            let area = density * Jacobian::solid_angle_to_area(cos_next, edge.length_squared);
+            (area, self.scatter(at, to_emitter, to_sensor) * (cos_at / density.value()))
+        };
+        let scale = match side {
+            Side::Sensor => self.radiance_scale(at, to_emitter, to_sensor),
+            Side::Emitter => 1.0,
+        };
+        (density.value() > 0.0).then(|| Step { density, energy: weight / scale })
+    }
+}

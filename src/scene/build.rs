@@ -1,0 +1,307 @@
+//! From a description to a scene: centring, rounding, choosing what is sampled, and refusing what makes no sense.
+
+use std::path::PathBuf;
+
+use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use crate::geometry::Bounds;
+
+use super::accel::{Accel, SphereShape, Triangle};
+use super::bsdf::{Bsdf, MaterialError};
+use super::description::{FilmSize, LightKind, Material, Projection, SensorDescription};
+use super::discrete::Discrete;
+use super::emitter::{Directional, Emitter, EmitterId, Environment, MeshEmitter, Point, SphereEmitter, Spot};
+use super::sensor::Sensor;
+use super::{MaterialId, PrimitiveId, Scene, SceneDescription, Shape, SurfaceMaterial};
+
+/// What a user may decide about a scene beyond its file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SceneOptions {
+    /// Size of the image instead of the file's.
+    pub film: Option<FilmSize>,
+    /// How emitters are chosen.
+    pub light_selection: LightSelection,
+}
+
+/// How one of several emitters is chosen, for emission and for direct light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum LightSelection {
+    /// In proportion to its flux.
+    #[default]
+    Power,
+    /// All alike, as Mitsuba does.
+    Uniform,
+}
+
+/// Why a description is no scene.
+#[derive(Debug, Error)]
+pub enum BuildError {
+    /// Nothing emits.
+    #[error("{}: no light: give a material an emission, or add a light or an environment", .0.display())]
+    NoLight(PathBuf),
+    /// No camera, and nothing that one could be pointed at.
+    #[error("{}: no camera and nothing to frame: add a camera node", .0.display())]
+    NoCamera(PathBuf),
+    /// The image has no pixels.
+    #[error("{}: a film of {}×{} pixels: both sides must be between 1 and 65535", file.display(), size.width, size.height)]
+    EmptyFilm {
+        /// The file.
+        file: PathBuf,
+        /// The size.
+        size: FilmSize,
+    },
+    /// A parameter is out of range.
+    #[error("{}: {place}: {what}", file.display())]
+    Invalid {
+        /// The file.
+        file: PathBuf,
+        /// Which thing in it.
+        place: String,
+        /// What is wrong, and what would be right.
+        what: String,
+    },
+}
+
+impl Scene {
+    /// Makes a scene of its description. The second result are sentences for the user about what was decided for them.
+    ///
+    /// # Errors
+    /// [`BuildError`] where there is no light, nothing to look at, or a parameter that makes no sense.
+    pub fn build(description: &SceneDescription, options: SceneOptions) -> Result<(Self, Vec<String>), BuildError> {
+        Builder { description, options, notes: description.warnings.clone() }.build()
+    }
+}
+
+struct Builder<'a> {
+    description: &'a SceneDescription,
+    options: SceneOptions,
+    notes: Vec<String>,
+}
+
+impl Builder<'_> {
+    fn build(mut self) -> Result<(Scene, Vec<String>), BuildError> {
+        let materials = self.description.materials.iter().map(|m| self.material(m)).collect::<Result<Vec<_>, _>>()?;
+        let geometry = self.bounds();
+        let camera = self.camera(geometry)?;
+        let film = self.film(&camera)?;
+        let everything = self.everything(geometry, &camera);
+        let centre = everything.centre();
+        let sensor = Sensor::new(&camera, film, centre);
+        let (accel, normals) = self.geometry(centre, everything.radius());
+        let mut shapes = self.shapes();
+        let reach = self.reach(geometry, &sensor, centre);
+        let emitters = self.emitters(&accel, &mut shapes, centre, reach)?;
+        let choice = Discrete::new(emitters.iter().map(|e| match self.options.light_selection {
+            LightSelection::Power => e.flux().mean(),
+            LightSelection::Uniform => 1.0,
+        }));
+        let choice = choice.ok_or_else(|| self.invalid("lights", "a flux that is not finite: check the emission"))?;
+        let environment = emitters.iter().position(|e| matches!(e, Emitter::Environment(_)));
+        let scene = Scene {
+            name: self.description.name.clone(),
+            source: self.description.source.clone(),
+            centre,
+            accel,
+            normals,
+            shapes,
+            materials,
+            emitters,
+            choice,
+            environment: environment.map(|i| EmitterId(i as u32)),
+            sensor,
+            hints: self.description.render,
+            reference: self.description.reference.clone(),
+        };
+        Ok((scene, self.notes))
+    }
+
+    fn invalid(&self, place: &str, what: &str) -> BuildError {
+        BuildError::Invalid { file: self.description.source.clone(), place: place.into(), what: what.into() }
+    }
+
+    fn material(&self, material: &Material) -> Result<SurfaceMaterial, BuildError> {
+        let place = || format!("material '{}'", material.name);
+        let bsdf = Bsdf::new(&material.bsdf).map_err(|e: MaterialError| self.invalid(&place(), &e.to_string()))?;
+        if material.emission.to_array().iter().any(|c| !(0.0..f64::INFINITY).contains(c)) {
+            return Err(self.invalid(&place(), "the emission must be finite and not negative"));
+        }
+        let transmits = bsdf.transmits();
+        Ok(SurfaceMaterial { bsdf, two_sided: material.two_sided && !transmits, transmits })
+    }
+
+    fn bounds(&self) -> Bounds {
+        let meshes = self.description.meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize]));
+        let spheres = self.description.spheres.iter().fold(Bounds::EMPTY, |b, s| {
+            let r = DVec3::splat(s.radius);
+            b.union(Bounds { min: s.centre - r, max: s.centre + r })
+        });
+        Bounds::around(meshes).union(spheres)
+    }
+
+    /// Everything that rays start from or end at, at finite distance.
+    fn everything(&self, geometry: Bounds, camera: &SensorDescription) -> Bounds {
+        let lights = self.description.lights.iter().filter_map(|light| match light.kind {
+            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
+            LightKind::Directional { .. } => None,
+        });
+        geometry.union(Bounds::around(lights.chain([camera.position])))
+    }
+
+    /// Radius of the sphere around `centre` that stands for infinity: geometry and sensor lie well inside.
+    fn reach(&self, geometry: Bounds, sensor: &Sensor, centre: DVec3) -> f64 {
+        let corners = if geometry.is_empty() { 0.0 } else { (geometry.centre() - centre).length() + geometry.radius() };
+        let reach = corners.max(sensor.position().length() + sensor.extent());
+        1.001 * if reach > 0.0 { reach } else { 1.0 }
+    }
+
+    fn camera(&mut self, geometry: Bounds) -> Result<SensorDescription, BuildError> {
+        if let Some(camera) = &self.description.sensor {
+            return Ok(camera.clone());
+        }
+        if geometry.is_empty() {
+            return Err(BuildError::NoCamera(self.description.source.clone()));
+        }
+        self.notes.push("no camera in the file: one that frames the whole scene is used".into());
+        Ok(framing_camera(geometry))
+    }
+
+    fn film(&self, camera: &SensorDescription) -> Result<FilmSize, BuildError> {
+        let default = match camera.projection {
+            Projection::Perspective { aspect: Some(aspect), .. } => {
+                FilmSize { width: 256, height: ((256.0 / aspect).round() as u32).max(1) }
+            }
+            Projection::Orthographic { half_width, half_height } => {
+                FilmSize { width: 256, height: ((256.0 * half_height / half_width).round() as u32).max(1) }
+            }
+            Projection::Perspective { aspect: None, .. } => FilmSize { width: 256, height: 256 },
+        };
+        let size = self.options.film.or(self.description.film).unwrap_or(default);
+        let valid = 1..=65535;
+        if valid.contains(&size.width) && valid.contains(&size.height) {
+            Ok(size)
+        } else {
+            Err(BuildError::EmptyFilm { file: self.description.source.clone(), size })
+        }
+    }
+
+    fn geometry(&self, centre: DVec3, radius: f64) -> (Accel, Vec<[Vec3; 3]>) {
+        let smooth = self.description.meshes.iter().any(|m| m.normals.is_some());
+        let mut triangles = Vec::new();
+        let mut normals = Vec::new();
+        for (shape, mesh) in self.description.meshes.iter().enumerate() {
+            for indices in &mesh.triangles {
+                let corners = indices.map(|i| (mesh.positions[i as usize] - centre).as_vec3());
+                triangles.push(Triangle { corners, shape: shape as u32 });
+                if smooth {
+                    let normal = |i: u32| mesh.normals.as_ref().map_or(Vec3::ZERO, |n| n[i as usize].as_vec3());
+                    normals.push(indices.map(normal));
+                }
+            }
+        }
+        let first = self.description.meshes.len();
+        let spheres: Vec<SphereShape> = (self.description.spheres.iter().enumerate())
+            .map(|(i, s)| SphereShape { centre: s.centre - centre, radius: s.radius, shape: (first + i) as u32 })
+            .collect();
+        let (accel, order) = Accel::build(&triangles, &spheres, radius);
+        let normals = if smooth { order.iter().map(|&i| normals[i as usize]).collect() } else { Vec::new() };
+        (accel, normals)
+    }
+
+    fn shapes(&self) -> Vec<Shape> {
+        let meshes = self.description.meshes.iter().map(|m| m.material);
+        let spheres = self.description.spheres.iter().map(|s| s.material);
+        meshes.chain(spheres).map(|m| Shape { material: MaterialId(m as u32), emitter: None }).collect()
+    }
+
+    fn emitters(
+        &self,
+        accel: &Accel,
+        shapes: &mut [Shape],
+        centre: DVec3,
+        sphere_radius: f64,
+    ) -> Result<Vec<Emitter>, BuildError> {
+        let mut emitters = Vec::new();
+        let meshes = self.description.meshes.len();
+        let mut triangles = vec![Vec::new(); meshes];
+        for (i, triangle) in accel.triangles().iter().enumerate() {
+            if self.description.materials[shapes[triangle.shape as usize].material.0 as usize].emits() {
+                triangles[triangle.shape as usize].push(PrimitiveId(i as u32));
+            }
+        }
+        for (shape, (mesh, triangles)) in self.description.meshes.iter().zip(triangles).enumerate() {
+            let material = &self.description.materials[mesh.material];
+            if !material.emits() {
+                continue;
+            }
+            let id = EmitterId(emitters.len() as u32);
+            let areas: Vec<f64> = triangles.iter().map(|&t| accel.triangle(t).area()).collect();
+            let area: f64 = areas.iter().sum();
+            let choice = Discrete::new(areas).filter(|_| area > 0.0 && area.is_finite());
+            let Some(choice) = choice else {
+                let what = format!("emits, but its area is {area}: give it area or no emission");
+                return Err(self.invalid(&format!("mesh '{}'", mesh.name), &what));
+            };
+            let material_id = shapes[shape].material;
+            shapes[shape].emitter = Some(id);
+            emitters.push(Emitter::Mesh(MeshEmitter {
+                id,
+                radiance: material.emission,
+                area,
+                triangles,
+                choice,
+                material: material_id,
+            }));
+        }
+        for (i, sphere) in accel.spheres().iter().enumerate() {
+            let shape = sphere.shape as usize;
+            let material = shapes[shape].material;
+            let description = &self.description.materials[material.0 as usize];
+            if description.emits() {
+                let id = EmitterId(emitters.len() as u32);
+                shapes[shape].emitter = Some(id);
+                let (radiance, primitive) = (description.emission, accel.sphere_id(i));
+                let area = sphere.area();
+                emitters.push(Emitter::Sphere(SphereEmitter { id, radiance, area, primitive, material }));
+            }
+        }
+        for light in &self.description.lights {
+            let id = EmitterId(emitters.len() as u32);
+            emitters.push(match light.kind {
+                LightKind::Point { position, intensity } => {
+                    Emitter::Point(Point { id, position: position - centre, intensity })
+                }
+                LightKind::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+                    let position = position - centre;
+                    Emitter::Spot(Spot::new(id, position, direction, intensity, inner_angle, outer_angle))
+                }
+                LightKind::Directional { direction, irradiance } => {
+                    Emitter::Directional(Directional { id, direction, irradiance, sphere_radius })
+                }
+            });
+        }
+        if let Some(radiance) = self.description.environment {
+            let id = EmitterId(emitters.len() as u32);
+            emitters.push(Emitter::Environment(Environment { id, radiance, sphere_radius }));
+        }
+        if emitters.is_empty() { Err(BuildError::NoLight(self.description.source.clone())) } else { Ok(emitters) }
+    }
+}
+
+/// A camera that sees all of the box, from the front and a little above.
+fn framing_camera(geometry: Bounds) -> SensorDescription {
+    let vertical_fov = 40.0_f64.to_radians();
+    let backward = DVec3::new(0.4, 0.3, 1.0).normalize();
+    let radius = if geometry.radius() > 0.0 { geometry.radius() } else { 1.0 };
+    let distance = radius / libm::sin(0.5 * vertical_fov);
+    let right = DVec3::Y.cross(backward).normalize();
+    SensorDescription {
+        name: "framing camera".into(),
+        position: geometry.centre() + backward * distance,
+        forward: -backward,
+        up: backward.cross(right),
+        projection: Projection::Perspective { vertical_fov, aspect: None, lens: None },
+    }
+}

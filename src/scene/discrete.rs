@@ -1,0 +1,90 @@
+//! Choosing one of several things with given probabilities.
+
+use crate::measure::Probability;
+
+/// A discrete distribution over `0 … len`, sampled by inversion so that neighbouring numbers give neighbouring choices.
+#[derive(Clone, Debug)]
+pub struct Discrete {
+    /// `cumulative[i]` is the probability of a choice up to and including `i`; the last is exactly one.
+    cumulative: Vec<f64>,
+}
+
+impl Discrete {
+    /// In proportion to the weights; uniform where all are zero. `None` where one is negative, NaN or infinite.
+    #[must_use]
+    pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut weights: Vec<f64> = weights.into_iter().collect();
+        if weights.iter().any(|w| !(0.0..f64::INFINITY).contains(w)) {
+            return None;
+        }
+        let largest = weights.iter().copied().fold(0.0, f64::max);
+        // Scaled first: the sum of huge weights must not overflow.
+        let scaled = |w: f64| if largest > 0.0 { w / largest } else { 1.0 };
+        let total: f64 = weights.iter().copied().map(scaled).sum();
+        let last = weights.iter().rposition(|&w| scaled(w) > 0.0);
+        let mut sum = 0.0;
+        for (i, w) in weights.iter_mut().enumerate() {
+            sum += scaled(*w) / total;
+            // Rounding must leave no room after the last choice that has weight.
+            *w = if Some(i) >= last { 1.0 } else { sum.min(1.0) };
+        }
+        Some(Self { cumulative: weights })
+    }
+
+    /// The choice for `u` uniform in `[0, 1)`.
+    #[must_use]
+    #[inline]
+    pub fn sample(&self, u: f64) -> usize {
+        if self.cumulative.len() == 1 {
+            return 0;
+        }
+        self.cumulative.partition_point(|&c| c <= u)
+    }
+
+    /// The probability of a choice.
+    #[must_use]
+    #[inline]
+    pub fn probability(&self, index: usize) -> Probability {
+        let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+        Probability::new(self.cumulative[index] - below)
+    }
+
+    /// Number of choices.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.cumulative.len()
+    }
+
+    /// There is nothing to choose.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.cumulative.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn follows_its_weights() {
+        let d = Discrete::new([1.0, 0.0, 3.0]).expect("valid");
+        assert_eq!([0.0, 0.2499, 0.25, 0.999].map(|u| d.sample(u)), [0, 0, 2, 2]);
+        assert_eq!([0, 1, 2].map(|i| d.probability(i).value()), [0.25, 0.0, 0.75]);
+    }
+
+    #[test]
+    fn is_uniform_without_weights_and_refuses_impossible_ones() {
+        assert_eq!(Discrete::new([0.0, 0.0]).expect("valid").probability(1).value(), 0.5);
+        assert!(Discrete::new([1.0, f64::NAN]).is_none());
+        assert!(Discrete::new([1.0, -1.0]).is_none());
+        let huge = Discrete::new([1e300, 1e300, 1e300]).expect("valid");
+        assert!((huge.probability(2).value() - 1.0 / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn never_chooses_what_has_no_weight() {
+        let d = Discrete::new([0.1, 0.2, 0.3, 0.0]).expect("valid");
+        assert_eq!(d.sample(1.0 - f64::EPSILON / 2.0), 2);
+    }
+}

@@ -1,0 +1,147 @@
+//! Surfaces that emit from their front, with the same radiance everywhere and in all directions.
+
+use glam::DVec3;
+
+use crate::geometry::Frame;
+use crate::measure::{Area, Density, Jacobian, SolidAngle};
+use crate::path::{Edge, Vertex, VertexKind};
+use crate::scene::accel::{Accel, PrimitiveId};
+use crate::scene::{MaterialId, discrete::Discrete};
+use crate::spectrum::Rgb;
+use crate::warp;
+
+use super::{DirectSample, EdgeDensity, EmissionSample, EmitterId};
+
+/// A triangle mesh that emits.
+#[derive(Clone, Debug)]
+pub struct MeshEmitter {
+    /// Its own id.
+    pub id: EmitterId,
+    /// Radiance of the front \[W/m²/sr\].
+    pub radiance: Rgb,
+    /// Total area \[m²\].
+    pub area: f64,
+    /// The triangles, by id.
+    pub triangles: Vec<PrimitiveId>,
+    /// Chooses one of them in proportion to its area.
+    pub choice: Discrete,
+    /// How it scatters.
+    pub material: MaterialId,
+}
+
+/// A sphere that emits outwards.
+#[derive(Clone, Copy, Debug)]
+pub struct SphereEmitter {
+    /// Its own id.
+    pub id: EmitterId,
+    /// Radiance of the outside \[W/m²/sr\].
+    pub radiance: Rgb,
+    /// Area \[m²\].
+    pub area: f64,
+    /// The sphere.
+    pub primitive: PrimitiveId,
+    /// How it scatters.
+    pub material: MaterialId,
+}
+
+/// `p(x_0) = 1/A`, `p_σ(ω) = cos θ_0 / π`.
+#[inline]
+pub(super) fn emission_density(area: f64, x0: &Vertex, direction: DVec3) -> EdgeDensity {
+    EdgeDensity {
+        position: Density::new(1.0 / area),
+        direction: warp::cosine_hemisphere_density(x0.normal.dot(direction)),
+    }
+}
+
+impl MeshEmitter {
+    fn vertex(&self, accel: &Accel, [choice, u, v]: [f64; 3]) -> Vertex {
+        let primitive = self.triangles[self.choice.sample(choice)];
+        let triangle = accel.triangle(primitive);
+        let normal = triangle.area_vector().normalize();
+        Vertex {
+            position: triangle.point(warp::uniform_triangle([u, v])),
+            normal,
+            shading_normal: normal,
+            kind: VertexKind::Surface { primitive, material: self.material, emitter: Some(self.id) },
+        }
+    }
+
+    pub(super) fn sample_emission(&self, accel: &Accel, u: [f64; 5]) -> EmissionSample {
+        let vertex = self.vertex(accel, [u[0], u[1], u[2]]);
+        emit_from(vertex, [u[3], u[4]])
+    }
+
+    #[inline]
+    pub(super) fn sample_direct(&self, accel: &Accel, u: [f64; 3]) -> DirectSample {
+        DirectSample { vertex: self.vertex(accel, u), density: self.direct_density() }
+    }
+
+    #[inline]
+    pub(super) fn direct_density(&self) -> Density<Area> {
+        Density::new(1.0 / self.area)
+    }
+}
+
+impl SphereEmitter {
+    pub(super) fn sample_emission(&self, accel: &Accel, u: [f64; 5]) -> EmissionSample {
+        let vertex = self.vertex(accel, warp::uniform_sphere([u[1], u[2]]));
+        emit_from(vertex, [u[3], u[4]])
+    }
+
+    /// Uniform in the cone that the sphere fills, seen from x_1 outside of it.
+    pub(super) fn sample_direct(&self, accel: &Accel, x1: &Vertex, u: [f64; 2]) -> Option<DirectSample> {
+        let cone = self.cone(accel, x1.position)?;
+        let frame = Frame::around(cone.axis);
+        let local = warp::uniform_cone(u, cone.cos_max);
+        // The point of the sphere that this direction meets first, as an angle α at the centre (pbrt 4, §6.2.4).
+        let sin2 = local.x * local.x + local.y * local.y;
+        let cos_alpha = sin2 / cone.sin_max + local.z * (1.0 - sin2 / (cone.sin_max * cone.sin_max)).max(0.0).sqrt();
+        let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
+        let scale = if sin2 > 0.0 { sin_alpha / sin2.sqrt() } else { 0.0 };
+        let outward = frame.to_world(DVec3::new(local.x * scale, local.y * scale, -cos_alpha));
+        let vertex = self.vertex(accel, outward);
+        let density = warp::uniform_cone_density(cone.cos_max) * x1.solid_angle_to_area(&vertex);
+        Some(DirectSample { vertex, density })
+    }
+
+    pub(super) fn direct_density(&self, accel: &Accel, x1: &Vertex, x0: &Vertex, edge: &Edge) -> Density<Area> {
+        let to_area: Jacobian<SolidAngle, Area> =
+            Jacobian::solid_angle_to_area(x0.abs_cos(edge.direction), edge.length_squared);
+        // Only what faces x_1 lies first along its direction.
+        match self.cone(accel, x1.position) {
+            Some(cone) if x0.normal.dot(edge.direction) < 0.0 => warp::uniform_cone_density(cone.cos_max) * to_area,
+            _ => Density::ZERO,
+        }
+    }
+
+    fn vertex(&self, accel: &Accel, outward: DVec3) -> Vertex {
+        let sphere = accel.as_sphere(self.primitive).expect("a sphere emitter names a sphere");
+        Vertex {
+            position: sphere.centre + outward * sphere.radius,
+            normal: outward,
+            shading_normal: outward,
+            kind: VertexKind::Surface { primitive: self.primitive, material: self.material, emitter: Some(self.id) },
+        }
+    }
+
+    /// The cone of directions from `origin` to the sphere; `None` inside, from where nothing is seen to emit.
+    fn cone(&self, accel: &Accel, origin: DVec3) -> Option<Cone> {
+        let sphere = accel.as_sphere(self.primitive)?;
+        let to_centre = sphere.centre - origin;
+        let distance = to_centre.length();
+        let sin_max = sphere.radius / distance;
+        let cos_max = ((distance - sphere.radius) * (distance + sphere.radius)).max(0.0).sqrt() / distance;
+        (distance > sphere.radius).then(|| Cone { axis: to_centre / distance, sin_max, cos_max })
+    }
+}
+
+struct Cone {
+    axis: DVec3,
+    sin_max: f64,
+    cos_max: f64,
+}
+
+fn emit_from(vertex: Vertex, u: [f64; 2]) -> EmissionSample {
+    let direction = Frame::around(vertex.normal).to_world(warp::cosine_hemisphere(u));
+    EmissionSample { vertex, direction }
+}

@@ -1,0 +1,4 @@
+//! Checks that an author of an integrator calls, and the small scenes to call them on.
+
+pub mod definition;
+pub mod scenes;

@@ -1,0 +1,198 @@
+//! Small scenes with known answers, and some that have a bit of everything.
+
+use glam::DVec3;
+
+use crate::scene::description::{
+    BsdfDescription, ConductorFresnel, FilmSize, Lens, Light, LightKind, Material, Mesh, Projection, SensorDescription,
+    Sphere,
+};
+use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
+use crate::spectrum::Rgb;
+
+/// A rectangle with corners `origin`, `origin + u`, `origin + u + v`, `origin + v`; its front is where u × v points.
+#[must_use]
+pub fn rectangle(name: &str, origin: DVec3, u: DVec3, v: DVec3, material: usize) -> Mesh {
+    Mesh {
+        name: name.into(),
+        positions: vec![origin, origin + u, origin + u + v, origin + v],
+        normals: None,
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        material,
+    }
+}
+
+/// A box from corner to corner; its front is the inside, or the outside.
+#[must_use]
+pub fn cuboid(name: &str, min: DVec3, max: DVec3, inwards: bool, material: usize) -> Mesh {
+    let corner = |i: usize| {
+        let pick = |axis: usize| if i >> axis & 1 == 0 { min[axis] } else { max[axis] };
+        DVec3::new(pick(0), pick(1), pick(2))
+    };
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles = faces.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+    let turned = |[a, b, c]: [u32; 3]| if inwards { [a, c, b] } else { [a, b, c] };
+    Mesh {
+        name: name.into(),
+        positions: (0..8).map(corner).collect(),
+        normals: None,
+        triangles: triangles.map(turned).collect(),
+        material,
+    }
+}
+
+/// A one-sided material.
+#[must_use]
+pub fn material(name: &str, bsdf: BsdfDescription, emission: Rgb) -> Material {
+    Material { name: name.into(), bsdf, two_sided: false, emission }
+}
+
+/// A one-sided diffuse material.
+#[must_use]
+pub fn diffuse(name: &str, reflectance: Rgb, emission: Rgb) -> Material {
+    material(name, BsdfDescription::Diffuse { reflectance }, emission)
+}
+
+/// A pinhole camera at `position` that looks at `target`.
+#[must_use]
+pub fn pinhole(position: DVec3, target: DVec3, vertical_fov_degrees: f64) -> SensorDescription {
+    let forward = (target - position).normalize();
+    let side = if forward.y.abs() < 0.99 { DVec3::Y } else { DVec3::X };
+    let right = forward.cross(side).normalize();
+    SensorDescription {
+        name: "camera".into(),
+        position,
+        forward,
+        up: right.cross(forward),
+        projection: Projection::Perspective {
+            vertical_fov: vertical_fov_degrees.to_radians(),
+            aspect: None,
+            lens: None,
+        },
+    }
+}
+
+/// Puts a thin lens into a camera.
+#[must_use]
+pub fn with_lens(mut camera: SensorDescription, aperture_radius: f64, focus_distance: f64) -> SensorDescription {
+    if let Projection::Perspective { lens, .. } = &mut camera.projection {
+        *lens = Some(Lens { aperture_radius, focus_distance });
+    }
+    camera
+}
+
+/// The closed diffuse box: L = emission / (1 − reflectance) everywhere, or the partial sum for limited lengths.
+#[must_use]
+pub fn enclosure(emission: Rgb, reflectance: Rgb, film: FilmSize) -> SceneDescription {
+    SceneDescription {
+        name: "enclosure".into(),
+        meshes: vec![cuboid("walls", DVec3::new(-1.0, -0.8, -1.2), DVec3::new(1.0, 0.8, 1.2), true, 0)],
+        materials: vec![diffuse("wall", reflectance, emission)],
+        sensor: Some(pinhole(DVec3::new(0.3, 0.1, 0.9), DVec3::new(-0.2, -0.1, -1.0), 60.0)),
+        film: Some(film),
+        ..SceneDescription::default()
+    }
+}
+
+/// A room with two diffuse blocks and a lamp below the ceiling: 32 triangles.
+#[must_use]
+pub fn room(film: FilmSize) -> SceneDescription {
+    let white = Rgb::new(0.73, 0.71, 0.68);
+    let mut scene = SceneDescription {
+        name: "room".into(),
+        materials: vec![
+            diffuse("white", white, Rgb::BLACK),
+            diffuse("red", Rgb::new(0.6, 0.06, 0.05), Rgb::BLACK),
+            diffuse("lamp", Rgb::grey(0.5), Rgb::new(17.0, 12.0, 4.0)),
+        ],
+        sensor: Some(pinhole(DVec3::new(0.0, 1.0, 0.95), DVec3::new(0.0, 1.0, -1.0), 65.0)),
+        film: Some(film),
+        ..SceneDescription::default()
+    };
+    scene.meshes = vec![
+        cuboid("walls", DVec3::new(-1.0, 0.0, -1.0), DVec3::new(1.0, 2.0, 1.0), true, 0),
+        rectangle("lamp", DVec3::new(-0.3, 1.95, -0.3), DVec3::X * 0.6, DVec3::Z * 0.6, 2),
+        cuboid("tall", DVec3::new(-0.7, 0.001, -0.8), DVec3::new(-0.1, 1.2, -0.2), false, 1),
+        cuboid("short", DVec3::new(0.1, 0.001, -0.4), DVec3::new(0.6, 0.6, 0.2), false, 0),
+    ];
+    scene
+}
+
+/// The room with every kind of BSDF, emitter and Dirac event, under a thin lens.
+#[must_use]
+pub fn cabinet(film: FilmSize) -> SceneDescription {
+    let mut scene = room(film);
+    scene.name = "cabinet".into();
+    let metal = ConductorFresnel::Ior { eta: Rgb::new(0.2, 0.9, 1.1), k: Rgb::new(3.9, 2.4, 2.2) };
+    let tint = ConductorFresnel::Tint { specular_tint: Rgb::new(0.9, 0.8, 0.7) };
+    let first = scene.materials.len();
+    scene.materials.extend([
+        material("rough metal", BsdfDescription::RoughConductor { alpha: 0.2, fresnel: metal }, Rgb::BLACK),
+        material("mirror", BsdfDescription::Conductor { fresnel: tint }, Rgb::BLACK),
+        material("glass", BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 }, Rgb::BLACK),
+        material(
+            "rough glass",
+            BsdfDescription::RoughDielectric { alpha: 0.3, interior_ior: 1.4, exterior_ior: 1.0 },
+            Rgb::BLACK,
+        ),
+        diffuse("bulb", Rgb::grey(0.2), Rgb::new(3.0, 5.0, 9.0)),
+    ]);
+    let sphere = |name: &str, centre: [f64; 3], radius: f64, material: usize| Sphere {
+        name: name.into(),
+        centre: DVec3::from_array(centre),
+        radius,
+        material,
+    };
+    scene.spheres = vec![
+        sphere("metal ball", [0.35, 0.85, -0.1], 0.24, first),
+        sphere("glass ball", [-0.3, 0.35, 0.3], 0.3, first + 2),
+        sphere("frosted ball", [0.6, 0.25, 0.55], 0.24, first + 3),
+        sphere("bulb", [0.7, 1.6, -0.7], 0.1, first + 4),
+    ];
+    scene.meshes.push(rectangle("mirror", DVec3::new(-0.95, 0.5, 0.6), DVec3::Z * -1.2, DVec3::Y * 0.9, first + 1));
+    scene.lights = vec![
+        Light {
+            name: "point".into(),
+            kind: LightKind::Point { position: DVec3::new(-0.5, 1.7, 0.5), intensity: Rgb::new(0.5, 0.8, 0.4) },
+        },
+        Light {
+            name: "spot".into(),
+            kind: LightKind::Spot {
+                position: DVec3::new(0.0, 1.8, 0.8),
+                direction: DVec3::new(-0.2, -1.0, -0.6).normalize(),
+                intensity: Rgb::new(2.0, 1.5, 1.0),
+                inner_angle: 0.2,
+                outer_angle: 0.5,
+            },
+        },
+    ];
+    let camera = pinhole(DVec3::new(0.1, 1.0, 0.9), DVec3::new(0.0, 0.8, -1.0), 70.0);
+    scene.sensor = Some(with_lens(camera, 0.08, 1.4));
+    scene
+}
+
+/// The cabinet without walls, under a constant environment and parallel light.
+#[must_use]
+pub fn terrace(film: FilmSize) -> SceneDescription {
+    let mut scene = cabinet(film);
+    scene.name = "terrace".into();
+    scene.meshes[0] = rectangle("floor", DVec3::new(-1.0, 0.0, 1.0), DVec3::X * 2.0, DVec3::Z * -2.0, 0);
+    scene.environment = Some(Rgb::new(0.3, 0.4, 0.6));
+    scene.lights.push(Light {
+        name: "sun".into(),
+        kind: LightKind::Directional {
+            direction: DVec3::new(0.4, -1.0, -0.3).normalize(),
+            irradiance: Rgb::new(2.0, 1.8, 1.5),
+        },
+    });
+    scene
+}
+
+/// The scene, chosen emitters in proportion to their flux.
+///
+/// # Panics
+/// If the description is none; those of this module are.
+#[must_use]
+pub fn build(description: &SceneDescription) -> Scene {
+    let options = SceneOptions { film: None, light_selection: LightSelection::Power };
+    Scene::build(description, options).expect("a test scene can be built").0
+}

@@ -1,0 +1,78 @@
+//! Fast integrators equal the definition, path by path.
+
+use pathspace::estimator::{Estimator, Settings};
+use pathspace::path::{Roulette, Technique, WalkRules};
+use pathspace::scene::description::{FilmSize, SceneDescription};
+use pathspace::testing::definition::Definition;
+use pathspace::testing::scenes;
+use pathspace_light::LightTracer;
+use pathspace_path::PathTracer;
+use pathspace_path_bsdf::BsdfPathTracer;
+
+const FILM: FilmSize = FilmSize { width: 12, height: 9 };
+
+fn check<E: Estimator>(
+    scene: &SceneDescription,
+    estimator: &E,
+    rules: WalkRules,
+    heuristic: pathspace::estimator::Heuristic,
+    takes_part: fn(Technique) -> bool,
+) {
+    let built = scenes::build(scene);
+    let definition = Definition { scene: &built, rules, heuristic, takes_part };
+    let comparison = definition.compare(estimator, 1, 30);
+    assert!(comparison.terms > 2000, "{}: only {} terms", scene.name, comparison.terms);
+    assert!(comparison.value.0 < 1e-6, "{}: {:#?}", scene.name, comparison.value);
+    assert!(comparison.weight.0 < 1e-6, "{}: {:#?}", scene.name, comparison.weight);
+    assert!(comparison.partition < 1e-9, "{}: weights add up to 1 ± {}", scene.name, comparison.partition);
+    assert_eq!(comparison.hidden, 0, "{}: edges that the walk has drawn are denied", scene.name);
+}
+
+fn all_scenes() -> [SceneDescription; 3] {
+    [scenes::room(FILM), scenes::room(FILM), scenes::room(FILM)]
+}
+
+fn rules(roulette: Roulette) -> WalkRules {
+    WalkRules { sensor: roulette, emitter: roulette }
+}
+
+const SETTINGS: [&str; 5] = [
+    "max_length=6:roulette=throughput:roulette_start=2",
+    "max_length=5:roulette=local:roulette_start=1:heuristic=power",
+    "max_length=7:roulette=off:heuristic=maximum",
+    "max_length=4:roulette=local:heuristic=cutoff:threshold=0.3",
+    "max_length=5:heuristic=power:exponent=1.3",
+];
+
+fn settings(text: &str) -> Settings {
+    Settings::parse(text).expect("well formed")
+}
+
+#[test]
+fn path_equals_the_definition() {
+    for scene in all_scenes() {
+        for text in SETTINGS {
+            let e = PathTracer::new(&mut settings(text)).expect("valid");
+            check(&scene, &e, rules(e.roulette), e.heuristic, |technique| technique.s <= 1 && technique.t >= 2);
+        }
+    }
+}
+
+#[test]
+fn light_equals_the_definition() {
+    for scene in all_scenes() {
+        for text in SETTINGS {
+            let e = LightTracer::new(&mut settings(text)).expect("valid");
+            check(&scene, &e, rules(e.roulette), e.heuristic, |technique| technique.t <= 1);
+        }
+    }
+}
+
+#[test]
+fn path_bsdf_equals_the_definition() {
+    for scene in all_scenes() {
+        let e = BsdfPathTracer::new(&mut settings("max_length=6")).expect("valid");
+        let heuristic = pathspace::estimator::Heuristic::Balance;
+        check(&scene, &e, rules(e.roulette), heuristic, |technique| technique.s == 0);
+    }
+}
