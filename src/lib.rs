@@ -4,3 +4,4 @@ pub mod geometry;
 pub mod measure;
 pub mod scene;
 pub mod spectrum;
+pub mod warp;
