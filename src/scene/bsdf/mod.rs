@@ -4,7 +4,15 @@
 //! `to_sensor` where the roles matter, `from` (the walk's previous vertex) and `to` (its next) where only the walk does.
 //! Nothing here knows shading normals, sidedness or the measure of a path; `SurfacePoint` adds what those need.
 
+mod conductor;
+mod dielectric;
 mod diffuse;
+pub mod fresnel;
+mod material;
+mod microfacet;
+mod rough_dielectric;
+#[cfg(test)]
+mod tests;
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -14,7 +22,12 @@ use glam::DVec3;
 use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::spectrum::Rgb;
 
+pub use conductor::{Conductor, RoughConductor};
+pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use material::MaterialError;
+pub use microfacet::Ggx;
+pub use rough_dielectric::RoughDielectric;
 
 /// The end of the path from which a walk started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -98,11 +111,90 @@ pub trait BsdfModel: Debug + Send + Sync {
     }
 }
 
-/// A model of scattering.
+/// A model of scattering: the built-in ones without indirection, research models through [`BsdfModel`].
 #[derive(Clone, Debug)]
 pub enum Bsdf {
     /// Lambert's.
     Diffuse(Diffuse),
+    /// Smooth metal or mirror.
+    Conductor(Conductor),
+    /// Metal with GGX microfacets.
+    RoughConductor(RoughConductor),
+    /// Smooth glass.
+    Dielectric(Dielectric),
+    /// Glass with GGX microfacets.
+    RoughDielectric(RoughDielectric),
     /// A research model from outside.
     Custom(Arc<dyn BsdfModel>),
+}
+
+macro_rules! dispatch {
+    ($bsdf:expr, $model:ident => $answer:expr) => {
+        match $bsdf {
+            Bsdf::Diffuse($model) => $answer,
+            Bsdf::Conductor($model) => $answer,
+            Bsdf::RoughConductor($model) => $answer,
+            Bsdf::Dielectric($model) => $answer,
+            Bsdf::RoughDielectric($model) => $answer,
+            Bsdf::Custom($model) => $answer,
+        }
+    };
+}
+
+impl Bsdf {
+    /// See [`BsdfModel::eval`].
+    #[must_use]
+    #[inline]
+    pub fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+        dispatch!(self, model => model.eval(to_emitter, to_sensor))
+    }
+
+    /// See [`BsdfModel::density`].
+    #[must_use]
+    #[inline]
+    pub fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
+        dispatch!(self, model => model.density(from, to))
+    }
+
+    /// See [`BsdfModel::eval_dirac`].
+    #[must_use]
+    #[inline]
+    pub fn eval_dirac(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+        dispatch!(self, model => model.eval_dirac(to_emitter, to_sensor))
+    }
+
+    /// See [`BsdfModel::density_dirac`].
+    #[must_use]
+    #[inline]
+    pub fn density_dirac(&self, side: Side, from: DVec3, to: DVec3) -> Density<ProjectedSolidAngle> {
+        dispatch!(self, model => model.density_dirac(side, from, to))
+    }
+
+    /// See [`BsdfModel::sample`].
+    #[must_use]
+    #[inline]
+    pub fn sample(&self, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        dispatch!(self, model => model.sample(side, from, u))
+    }
+
+    /// See [`BsdfModel::radiance_scale`].
+    #[must_use]
+    #[inline]
+    pub fn radiance_scale(&self, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
+        dispatch!(self, model => model.radiance_scale(to_emitter, to_sensor))
+    }
+
+    /// See [`BsdfModel::has_finite`].
+    #[must_use]
+    #[inline]
+    pub fn has_finite(&self) -> bool {
+        dispatch!(self, model => model.has_finite())
+    }
+
+    /// See [`BsdfModel::transmits`].
+    #[must_use]
+    #[inline]
+    pub fn transmits(&self) -> bool {
+        dispatch!(self, model => model.transmits())
+    }
 }

@@ -1,0 +1,90 @@
+//! Smooth glass.
+
+use glam::DVec3;
+
+use super::fresnel::Interface;
+use super::{BsdfModel, BsdfSample, LobeDensity, Side};
+use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
+use crate::spectrum::Rgb;
+
+/// A smooth interface of dielectrics: `f_s = F δ_σ⊥(reflected) + (1 − F) (η_o/η_i)² δ_σ⊥(refracted)`, drawn by F.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Dielectric {
+    /// The two indices of refraction.
+    pub interface: Interface,
+}
+
+impl Dielectric {
+    /// `(P, (η_o/η_i)²)`: the share of the flux that goes from one direction to the other, and its radiance scale.
+    #[inline]
+    fn lobe(&self, to_emitter: DVec3, to_sensor: DVec3) -> (f64, f64) {
+        let (i, o) = (to_emitter.z, to_sensor.z);
+        if i * o > 0.0 {
+            // The cosines differ by rounding only; their mean is the same for either direction of the walk.
+            (self.interface.fresnel(0.5 * (i + o)).reflected, 1.0)
+        } else if i * o < 0.0 {
+            (self.interface.transmittance(i, o), self.interface.radiance_scale(i, o))
+        } else {
+            (0.0, 1.0)
+        }
+    }
+}
+
+impl BsdfModel for Dielectric {
+    fn eval(&self, _to_emitter: DVec3, _to_sensor: DVec3) -> Rgb {
+        Rgb::BLACK
+    }
+
+    fn density(&self, _from: DVec3, _to: DVec3) -> Density<SolidAngle> {
+        Density::ZERO
+    }
+
+    fn eval_dirac(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+        let (share, scale) = self.lobe(to_emitter, to_sensor);
+        Rgb::grey(share * scale)
+    }
+
+    fn density_dirac(&self, side: Side, from: DVec3, to: DVec3) -> Density<ProjectedSolidAngle> {
+        let (to_emitter, to_sensor) = side.by_role(from, to);
+        let (share, scale) = self.lobe(to_emitter, to_sensor);
+        Density::new(match side {
+            Side::Sensor => share,
+            Side::Emitter => share * scale,
+        })
+    }
+
+    fn sample(&self, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        if from.z == 0.0 {
+            return None;
+        }
+        let to = if u[2] < self.interface.fresnel(from.z).reflected {
+            DVec3::new(-from.x, -from.y, from.z)
+        } else {
+            let (scale, k) = self.interface.refraction(from.z)?;
+            let to = DVec3::new(-from.x * scale, -from.y * scale, k - from.z * scale);
+            if to.z * from.z >= 0.0 {
+                return None;
+            }
+            to
+        };
+        let density = self.density_dirac(side, from, to);
+        let (to_emitter, to_sensor) = side.by_role(from, to);
+        (density.value() > 0.0).then(|| BsdfSample {
+            to,
+            density: LobeDensity::Dirac(density),
+            value: self.eval_dirac(to_emitter, to_sensor),
+        })
+    }
+
+    fn radiance_scale(&self, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
+        self.interface.radiance_scale(to_emitter.z, to_sensor.z)
+    }
+
+    fn has_finite(&self) -> bool {
+        false
+    }
+
+    fn transmits(&self) -> bool {
+        true
+    }
+}

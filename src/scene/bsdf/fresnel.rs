@@ -1,0 +1,150 @@
+//! Fresnel's equations for unpolarised light, arranged so that no digits cancel.
+
+use crate::scene::description::ConductorFresnel;
+use crate::spectrum::Rgb;
+
+/// The shares of the flux that a smooth interface of dielectrics reflects and transmits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// F, 0 … 1.
+    pub reflected: f64,
+    /// 1 − F, accurate also where it is small.
+    pub transmitted: f64,
+}
+
+/// An interface between two dielectrics, its outside on the normal's side; indices are relative to the outside.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interface {
+    /// η = η_inside / η_outside.
+    eta: f64,
+    /// η − 1, which η itself rounds where the two are alike.
+    eta_minus_one: f64,
+}
+
+impl Interface {
+    /// Between finite positive indices of refraction.
+    #[must_use]
+    pub fn new(interior_ior: f64, exterior_ior: f64) -> Self {
+        Self { eta: interior_ior / exterior_ior, eta_minus_one: (interior_ior - exterior_ior) / exterior_ior }
+    }
+
+    /// η − 1, zero where there is no interface.
+    #[must_use]
+    #[inline]
+    pub fn contrast(&self) -> f64 {
+        self.eta_minus_one
+    }
+
+    /// The index of refraction on the side that a direction with this cosine points to, relative to the outside.
+    #[must_use]
+    #[inline]
+    pub fn index(&self, cos: f64) -> f64 {
+        if cos > 0.0 { 1.0 } else { self.eta }
+    }
+
+    /// `(η_o/η_i)²` for directions with these cosines.
+    #[must_use]
+    #[inline]
+    pub fn radiance_scale(&self, cos_emitter: f64, cos_sensor: f64) -> f64 {
+        let ratio = self.index(cos_sensor) / self.index(cos_emitter);
+        ratio * ratio
+    }
+
+    /// `(n, n² − 1)` with `n` the index beyond the interface relative to that on the side of the cosine.
+    #[inline]
+    fn relative(&self, cos: f64) -> (f64, f64) {
+        let square_minus_one = self.eta_minus_one * (self.eta + 1.0);
+        if cos > 0.0 {
+            (self.eta, square_minus_one)
+        } else {
+            (1.0 / self.eta, -square_minus_one / (self.eta * self.eta))
+        }
+    }
+
+    /// `cos θ_t = √(1 − sin²θ / n²)` beyond the interface; `None` for total reflection.
+    #[must_use]
+    #[inline]
+    pub fn cos_refracted(&self, cos: f64) -> Option<f64> {
+        let (n, n2_minus_one) = self.relative(cos);
+        let square = n2_minus_one + cos * cos;
+        (square > 0.0).then(|| square.sqrt() / n)
+    }
+
+    /// `F = (r_s² + r_p²) / 2` for light from the side of the cosine, with
+    /// `r_s = (1 − n²) / (c + n c_t)²` and `r_p = (n² − 1) ((n² + 1) c² − 1) / (n (n c + c_t))²`,
+    /// the usual ratios with their differences multiplied out, and `1 − F` from the products of the transmitted amplitudes.
+    #[must_use]
+    #[inline]
+    pub fn fresnel(&self, cos: f64) -> Split {
+        let (n, n2_minus_one) = self.relative(cos);
+        if n2_minus_one == 0.0 {
+            return Split { reflected: 0.0, transmitted: 1.0 };
+        }
+        let Some(ct) = self.cos_refracted(cos) else {
+            return Split { reflected: 1.0, transmitted: 0.0 };
+        };
+        let c = cos.abs();
+        let (s, p) = (c + n * ct, n * c + ct);
+        let r_s = n2_minus_one / (s * s);
+        let r_p = n2_minus_one * ((n * n + 1.0) * c * c - 1.0) / (n * n * p * p);
+        Split {
+            reflected: (0.5 * (r_s * r_s + r_p * r_p)).min(1.0),
+            transmitted: (2.0 * n * c * ct * (1.0 / (s * s) + 1.0 / (p * p))).min(1.0),
+        }
+    }
+
+    /// `1 − F` for a pair that a refraction joins, from the side where light is farther from total reflection: the same
+    /// number for either direction of the walk.
+    #[must_use]
+    #[inline]
+    pub fn transmittance(&self, cos_a: f64, cos_b: f64) -> f64 {
+        let outside_is_thin = self.eta_minus_one >= 0.0;
+        let thin = if (cos_a > 0.0) == outside_is_thin { cos_a } else { cos_b };
+        self.fresnel(thin).transmitted
+    }
+
+    /// The factor k in the refracted direction `−v/n + k m`, where `cos = v·m`:
+    /// `k = c/n − c_t = (1 − n²) / (n² (c/n + c_t))` for c > 0, negated for c < 0.
+    #[must_use]
+    #[inline]
+    pub fn refraction(&self, cos: f64) -> Option<(f64, f64)> {
+        let (n, n2_minus_one) = self.relative(cos);
+        let ct = self.cos_refracted(cos)?;
+        let k = -n2_minus_one / (n * n * (cos.abs() / n + ct));
+        Some((1.0 / n, k.copysign(-n2_minus_one * cos)))
+    }
+}
+
+/// The share of the flux that a metal reflects at the angle with this cosine.
+#[must_use]
+#[inline]
+pub fn conductor(fresnel: &ConductorFresnel, cos: f64) -> Rgb {
+    match fresnel {
+        ConductorFresnel::Tint { specular_tint } => *specular_tint,
+        ConductorFresnel::Ior { eta, k } => Rgb::new(
+            conductor_channel(eta.r, k.r, cos),
+            conductor_channel(eta.g, k.g, cos),
+            conductor_channel(eta.b, k.b, cos),
+        ),
+    }
+}
+
+/// `F = (|(c − w)/(c + w)|² + |(ε c − w)/(ε c + w)|²) / 2` with `ε = (η + ik)²` and `w = √(ε − sin²θ)` (Born and Wolf 1999,
+/// Fresnel's formulae with a complex index).
+#[must_use]
+pub fn conductor_channel(eta: f64, k: f64, cos: f64) -> f64 {
+    let c = cos.abs();
+    let (re, im) = ((eta - k) * (eta + k), 2.0 * eta * k);
+    let below = re - (1.0 - c) * (1.0 + c);
+    let modulus = (below * below + im * im).sqrt();
+    // w = a + ib. The larger part has no cancellation; the other one follows from 2ab = Im ε.
+    let large = (0.5 * (modulus + below.abs())).sqrt();
+    let small = if large > 0.0 { 0.5 * im / large } else { 0.0 };
+    let (a, b) = if below >= 0.0 { (large, small) } else { (small, large) };
+    let ratio = |x: f64, y: f64| {
+        let difference = (x - a) * (x - a) + (y - b) * (y - b);
+        let sum = (x + a) * (x + a) + (y + b) * (y + b);
+        if sum > 0.0 { (difference / sum).min(1.0) } else { 1.0 }
+    };
+    0.5 * (ratio(c, 0.0) + ratio(re * c, im * c))
+}

@@ -1,0 +1,180 @@
+//! From what a file says about a material to a model of scattering.
+
+use thiserror::Error;
+
+use super::fresnel::Interface;
+use super::{Bsdf, Conductor, Dielectric, Diffuse, Ggx, RoughConductor, RoughDielectric};
+use crate::scene::description::{BsdfDescription, ConductorFresnel};
+use crate::spectrum::Rgb;
+
+/// A material's parameter that no model can use. The message says which and what would be right, not where: the caller
+/// knows the file and the name.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum MaterialError {
+    /// A number out of its range.
+    #[error("{parameter} = {value} is outside {range}")]
+    Number {
+        /// Name of the parameter as in [`BsdfDescription`].
+        parameter: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// One channel of a colour out of its range.
+    #[error("{parameter} = {value} in the {channel} channel is outside {range}")]
+    Channel {
+        /// Name of the parameter as in [`BsdfDescription`].
+        parameter: &'static str,
+        /// Red, green or blue.
+        channel: &'static str,
+        /// What it is.
+        value: f64,
+        /// What it may be.
+        range: &'static str,
+    },
+    /// A roughness that GGX cannot have.
+    #[error("alpha = {value} is outside {ALPHA_RANGE}: use `{smooth}` for {substance}")]
+    Smooth {
+        /// What it is.
+        value: f64,
+        /// The model without roughness.
+        smooth: &'static str,
+        /// What it is a model of.
+        substance: &'static str,
+    },
+}
+
+const ALPHA_RANGE: &str = "1e-8 … 10";
+const INDEX_RANGE: &str = "1e-6 … 1e6";
+
+/// Below this width `α |η − 1|` of the refracted lobe, directions in double precision hold less than four of its digits.
+const NARROWEST_REFRACTION: f64 = 1e-12;
+
+impl Bsdf {
+    /// The model that a file describes.
+    ///
+    /// A rough dielectric whose refracted lobe is narrower than double precision can resolve, `α |η − 1| < 1e-12`, becomes
+    /// a smooth one; with equal indices on both sides that is light going straight through.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range or not a number.
+    pub fn new(description: &BsdfDescription) -> Result<Self, MaterialError> {
+        Ok(match description {
+            BsdfDescription::Diffuse { reflectance } => {
+                Self::Diffuse(Diffuse { reflectance: share("reflectance", *reflectance)? })
+            }
+            BsdfDescription::Conductor { fresnel } => Self::Conductor(Conductor { fresnel: checked_fresnel(fresnel)? }),
+            BsdfDescription::RoughConductor { alpha, fresnel } => Self::RoughConductor(RoughConductor {
+                distribution: ggx(*alpha, "conductor", "a smooth metal")?,
+                fresnel: checked_fresnel(fresnel)?,
+            }),
+            BsdfDescription::Dielectric { interior_ior, exterior_ior } => {
+                Self::Dielectric(Dielectric { interface: interface(*interior_ior, *exterior_ior)? })
+            }
+            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior } => {
+                let distribution = ggx(*alpha, "dielectric", "smooth glass")?;
+                let interface = interface(*interior_ior, *exterior_ior)?;
+                if alpha * interface.contrast().abs() < NARROWEST_REFRACTION {
+                    Self::Dielectric(Dielectric { interface })
+                } else {
+                    Self::RoughDielectric(RoughDielectric { distribution, interface })
+                }
+            }
+        })
+    }
+}
+
+fn ggx(alpha: f64, smooth: &'static str, substance: &'static str) -> Result<Ggx, MaterialError> {
+    if (1e-8..=10.0).contains(&alpha) {
+        Ok(Ggx::new(alpha))
+    } else if (0.0..1e-8).contains(&alpha) {
+        Err(MaterialError::Smooth { value: alpha, smooth, substance })
+    } else {
+        Err(MaterialError::Number { parameter: "alpha", value: alpha, range: ALPHA_RANGE })
+    }
+}
+
+fn interface(interior_ior: f64, exterior_ior: f64) -> Result<Interface, MaterialError> {
+    for (parameter, value) in [("interior_ior", interior_ior), ("exterior_ior", exterior_ior)] {
+        if !(1e-6..=1e6).contains(&value) {
+            return Err(MaterialError::Number { parameter, value, range: INDEX_RANGE });
+        }
+    }
+    Ok(Interface::new(interior_ior, exterior_ior))
+}
+
+fn checked_fresnel(fresnel: &ConductorFresnel) -> Result<ConductorFresnel, MaterialError> {
+    match fresnel {
+        ConductorFresnel::Tint { specular_tint } => share("specular_tint", *specular_tint).map(drop)?,
+        ConductorFresnel::Ior { eta, k } => {
+            channels("eta", *eta, 1e6, "0 … 1e6")?;
+            channels("k", *k, 1e6, "0 … 1e6")?;
+        }
+    }
+    Ok(fresnel.clone())
+}
+
+fn share(parameter: &'static str, value: Rgb) -> Result<Rgb, MaterialError> {
+    channels(parameter, value, 1.0, "0 … 1")
+}
+
+fn channels(parameter: &'static str, rgb: Rgb, max: f64, range: &'static str) -> Result<Rgb, MaterialError> {
+    for (channel, value) in ["red", "green", "blue"].into_iter().zip(rgb.to_array()) {
+        if !(0.0..=max).contains(&value) {
+            return Err(MaterialError::Channel { parameter, channel, value, range });
+        }
+    }
+    Ok(rgb)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(description: &BsdfDescription) -> String {
+        Bsdf::new(description).expect_err("must be refused").to_string()
+    }
+
+    #[test]
+    fn what_no_model_can_use_is_refused_by_name() {
+        let tint = ConductorFresnel::Tint { specular_tint: Rgb::WHITE };
+        let ior = |eta, k| ConductorFresnel::Ior { eta: Rgb::grey(eta), k: Rgb::new(1.0, k, 1.0) };
+        let metal = |alpha| BsdfDescription::RoughConductor { alpha, fresnel: tint.clone() };
+        let glass = |alpha, interior_ior| BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior: 1.0 };
+        for (description, expected) in [
+            (
+                BsdfDescription::Diffuse { reflectance: Rgb::new(0.1, 1.5, 0.1) },
+                "reflectance = 1.5 in the green channel is outside 0 … 1",
+            ),
+            (
+                BsdfDescription::Diffuse { reflectance: Rgb::new(f64::NAN, 0.5, 0.1) },
+                "reflectance = NaN in the red channel is outside 0 … 1",
+            ),
+            (metal(0.0), "alpha = 0 is outside 1e-8 … 10: use `conductor` for a smooth metal"),
+            (metal(-1.0), "alpha = -1 is outside 1e-8 … 10"),
+            (metal(f64::NAN), "alpha = NaN is outside 1e-8 … 10"),
+            (glass(1e-9, 1.5), "alpha = 0.000000001 is outside 1e-8 … 10: use `dielectric` for smooth glass"),
+            (glass(0.1, 0.0), "interior_ior = 0 is outside 1e-6 … 1e6"),
+            (glass(0.1, f64::INFINITY), "interior_ior = inf is outside 1e-6 … 1e6"),
+            (
+                BsdfDescription::Conductor { fresnel: ior(1.0, -0.5) },
+                "k = -0.5 in the green channel is outside 0 … 1e6",
+            ),
+            (
+                BsdfDescription::Conductor { fresnel: ior(-0.5, 1.0) },
+                "eta = -0.5 in the red channel is outside 0 … 1e6",
+            ),
+        ] {
+            assert_eq!(message(&description), expected);
+        }
+    }
+
+    #[test]
+    fn equal_indices_make_no_interface() {
+        let glass = BsdfDescription::RoughDielectric { alpha: 0.5, interior_ior: 1.3, exterior_ior: 1.3 };
+        let Ok(Bsdf::Dielectric(smooth)) = Bsdf::new(&glass) else { panic!("must become smooth") };
+        assert_eq!(smooth.interface.fresnel(0.3).transmitted, 1.0);
+        assert_eq!(smooth.interface.refraction(0.3), Some((1.0, -0.0)));
+    }
+}

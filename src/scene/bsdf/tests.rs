@@ -1,0 +1,1 @@
+//! Properties that all models share.
