@@ -2,5 +2,8 @@
 
 pub mod bsdf;
 pub mod description;
+pub mod error;
+pub mod gltf;
 
 pub use description::SceneDescription;
+pub use error::SceneError;
