@@ -1,7 +1,6 @@
 //! f(x̄), the measurement contribution of a path.
 
 use crate::scene::Scene;
-use crate::scene::emitter::Emitter;
 use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
 

@@ -6,6 +6,9 @@ mod build;
 pub mod description;
 pub mod discrete;
 pub mod emitter;
+pub mod error;
+pub mod gltf;
+pub mod mitsuba;
 mod scatter;
 pub mod sensor;
 
@@ -26,6 +29,7 @@ pub use accel::PrimitiveId;
 pub use build::{BuildError, LightSelection, SceneOptions};
 pub use description::SceneDescription;
 pub use emitter::EmitterId;
+pub use error::SceneError;
 pub use scatter::Scattered;
 
 /// Index of a material of the scene.

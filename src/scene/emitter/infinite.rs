@@ -56,7 +56,7 @@ impl Environment {
     pub(super) fn emission_density(&self, x0: &Vertex, direction: DVec3) -> EdgeDensity {
         EdgeDensity {
             position: disk_density(self.sphere_radius) * x0.abs_cos(direction),
-            direction: warp::uniform_sphere_density(),
+            direction: warp::UNIFORM_SPHERE_DENSITY,
         }
     }
 
@@ -67,7 +67,7 @@ impl Environment {
     }
 
     pub(super) fn direct_density() -> Density<SolidAngle> {
-        warp::uniform_sphere_density()
+        warp::UNIFORM_SPHERE_DENSITY
     }
 
     /// `4π² R² L`: what enters the sphere.

@@ -31,7 +31,7 @@ impl Point {
     }
 
     pub(super) fn emission_density() -> EdgeDensity {
-        EdgeDensity { position: Density::new(1.0), direction: warp::uniform_sphere_density() }
+        EdgeDensity { position: Density::new(1.0), direction: warp::UNIFORM_SPHERE_DENSITY }
     }
 
     pub(super) fn sample_direct(&self) -> DirectSample {
@@ -53,23 +53,22 @@ pub struct Spot {
     intensity: Rgb,
     inner_angle: f64,
     outer_angle: f64,
-    cos_outer: f64,
+    one_minus_cos_outer: f64,
 }
 
 impl Spot {
     /// A spot light at `position` along the unit vector `axis`; angles from the axis in radians.
     #[must_use]
     pub fn new(id: EmitterId, position: DVec3, axis: DVec3, intensity: Rgb, inner_angle: f64, outer_angle: f64) -> Self {
-        let cos_outer = libm::cos(outer_angle);
-        Self { id, position, frame: Frame::around(axis), intensity, inner_angle, outer_angle, cos_outer }
+        let half = libm::sin(0.5 * outer_angle);
+        let one_minus_cos_outer = 2.0 * half * half;
+        Self { id, position, frame: Frame::around(axis), intensity, inner_angle, outer_angle, one_minus_cos_outer }
     }
 
     /// Intensity along a unit direction \[W/sr\].
     #[must_use]
     pub fn intensity(&self, direction: DVec3) -> Rgb {
-        let axis = self.frame.z;
-        // The arc tangent keeps its digits where the cosine is close to one.
-        let angle = libm::atan2(axis.cross(direction).length(), axis.dot(direction));
+        let angle = self.angle(direction);
         if angle <= self.inner_angle {
             self.intensity
         } else if angle >= self.outer_angle {
@@ -79,16 +78,22 @@ impl Spot {
         }
     }
 
+    /// Angle from the axis; the arc tangent keeps its digits where the cosine is close to one.
+    fn angle(&self, direction: DVec3) -> f64 {
+        let axis = self.frame.z;
+        libm::atan2(axis.cross(direction).length(), axis.dot(direction))
+    }
+
     pub(super) fn sample_emission(&self, u: [f64; 5]) -> EmissionSample {
-        let local = warp::uniform_cone([u[3], u[4]], self.cos_outer);
+        let local = warp::uniform_cone([u[3], u[4]], self.one_minus_cos_outer);
         EmissionSample { vertex: point_vertex(self.id, self.position), direction: self.frame.to_world(local) }
     }
 
     pub(super) fn emission_density(&self, direction: DVec3) -> EdgeDensity {
-        let inside = self.frame.z.dot(direction) >= self.cos_outer;
+        let inside = self.angle(direction) <= self.outer_angle;
         EdgeDensity {
             position: Density::new(1.0),
-            direction: if inside { warp::uniform_cone_density(self.cos_outer) } else { Density::ZERO },
+            direction: if inside { warp::uniform_cone_density(self.one_minus_cos_outer) } else { Density::ZERO },
         }
     }
 

@@ -58,8 +58,9 @@ impl MeshEmitter {
         let primitive = self.triangles[self.choice.sample(choice)];
         let triangle = accel.triangle(primitive);
         let normal = triangle.area_vector().normalize();
+        let [_, v, w] = warp::uniform_triangle([u, v]);
         Vertex {
-            position: triangle.point(warp::uniform_triangle([u, v])),
+            position: triangle.point([v, w]),
             normal,
             shading_normal: normal,
             kind: VertexKind::Surface { primitive, material: self.material, emitter: Some(self.id) },
@@ -92,7 +93,7 @@ impl SphereEmitter {
     pub(super) fn sample_direct(&self, accel: &Accel, x1: &Vertex, u: [f64; 2]) -> Option<DirectSample> {
         let cone = self.cone(accel, x1.position)?;
         let frame = Frame::around(cone.axis);
-        let local = warp::uniform_cone(u, cone.cos_max);
+        let local = warp::uniform_cone(u, cone.one_minus_cos_max);
         // The point of the sphere that this direction meets first, as an angle α at the centre (pbrt 4, §6.2.4).
         let sin2 = local.x * local.x + local.y * local.y;
         let cos_alpha = sin2 / cone.sin_max + local.z * (1.0 - sin2 / (cone.sin_max * cone.sin_max)).max(0.0).sqrt();
@@ -100,7 +101,7 @@ impl SphereEmitter {
         let scale = if sin2 > 0.0 { sin_alpha / sin2.sqrt() } else { 0.0 };
         let outward = frame.to_world(DVec3::new(local.x * scale, local.y * scale, -cos_alpha));
         let vertex = self.vertex(accel, outward);
-        let density = warp::uniform_cone_density(cone.cos_max) * x1.solid_angle_to_area(&vertex);
+        let density = warp::uniform_cone_density(cone.one_minus_cos_max) * x1.solid_angle_to_area(&vertex);
         Some(DirectSample { vertex, density })
     }
 
@@ -109,7 +110,7 @@ impl SphereEmitter {
             Jacobian::solid_angle_to_area(x0.abs_cos(edge.direction), edge.length_squared);
         // Only what faces x_1 lies first along its direction.
         match self.cone(accel, x1.position) {
-            Some(cone) if x0.normal.dot(edge.direction) < 0.0 => warp::uniform_cone_density(cone.cos_max) * to_area,
+            Some(cone) if x0.normal.dot(edge.direction) < 0.0 => warp::uniform_cone_density(cone.one_minus_cos_max) * to_area,
             _ => Density::ZERO,
         }
     }
@@ -131,14 +132,15 @@ impl SphereEmitter {
         let distance = to_centre.length();
         let sin_max = sphere.radius / distance;
         let cos_max = ((distance - sphere.radius) * (distance + sphere.radius)).max(0.0).sqrt() / distance;
-        (distance > sphere.radius).then(|| Cone { axis: to_centre / distance, sin_max, cos_max })
+        let one_minus_cos_max = sin_max * sin_max / (1.0 + cos_max);
+        (distance > sphere.radius).then(|| Cone { axis: to_centre / distance, sin_max, one_minus_cos_max })
     }
 }
 
 struct Cone {
     axis: DVec3,
     sin_max: f64,
-    cos_max: f64,
+    one_minus_cos_max: f64,
 }
 
 fn emit_from(vertex: Vertex, u: [f64; 2]) -> EmissionSample {

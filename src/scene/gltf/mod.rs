@@ -1,0 +1,129 @@
+//! The reader of glTF 2.0 files, `.gltf` and `.glb`.
+//!
+//! It takes a file as light transport understands it. Everything is in world coordinates, composed in double precision
+//! from the numbers in the JSON. What glTF cannot say stands in objects called `pathspace` inside `extras`;
+//! `scenes/README.md` documents them. What would change the picture and is not supported is refused by name; what is
+//! read differently from what the file says becomes a warning.
+//!
+//! # Conventions
+//! - Candela, lux and nit are read as W/sr, W/m² and W/m²/sr, without the factor 683.
+//! - A spot's intensity falls off linearly in the angle from the inner to the outer cone, as in Mitsuba.
+//! - Surfaces that are not `doubleSided` absorb on the back; emission leaves the front only, always.
+//! - Clipping planes of cameras, ranges of lights, texture coordinates, tangents and occlusion are ignored.
+//!
+//! # Materials without extras
+//! One lobe each, with `alpha = roughness²`, smooth below 1e-4:
+//! 1. `metallicFactor ≥ 0.5`: a conductor tinted with the base colour;
+//! 2. otherwise `transmissionFactor ≥ 0.5`: a solid dielectric of KHR_materials_ior (1.5 without it);
+//! 3. otherwise diffuse with the base colour.
+//!
+//! A warning counts the materials that are more than that: a factor strictly between 0 and 1, a metal that is not
+//! white (glTF's turns white at grazing angles), a dielectric that is tinted or thin, a non-metal with a specular layer.
+//! A non-metal of roughness 1 counts as plain diffuse, though glTF gives it a faint specular layer.
+
+mod accessor;
+mod buffers;
+mod camera;
+mod container;
+mod document;
+mod exact;
+mod extras;
+mod fault;
+mod hierarchy;
+mod instancing;
+mod light;
+mod material;
+mod primitive;
+mod shapes;
+mod surface;
+mod tally;
+#[cfg(test)]
+mod tests;
+
+use std::io::ErrorKind;
+use std::path::Path;
+
+use self::accessor::Accessors;
+use self::document::Document;
+use self::extras::SceneExtras;
+use self::fault::{Fault, place};
+use self::tally::Tally;
+use crate::scene::description::SceneDescription;
+use crate::scene::error::SceneError;
+
+/// Choices that the file leaves open.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// The camera, by its name, its node's name, or its number among the scene's cameras; `None` takes the first.
+    pub camera: Option<String>,
+}
+
+/// Reads a scene with its first camera; without a camera `sensor` is `None`.
+///
+/// # Errors
+/// The file is missing, is not glTF, contradicts itself, or needs what is not supported; see [`SceneError`].
+pub fn read(path: &Path) -> Result<SceneDescription, SceneError> {
+    read_with(path, &ReadOptions::default())
+}
+
+/// Reads a scene.
+///
+/// # Errors
+/// As [`read`], and where there is no such camera.
+pub fn read_with(path: &Path, options: &ReadOptions) -> Result<SceneDescription, SceneError> {
+    let bytes = buffers::read_file(path, u64::MAX).map_err(|error| match error.kind() {
+        ErrorKind::NotFound => SceneError::NotFound { file: path.into() },
+        _ => SceneError::Unreadable { file: path.into(), cause: error.to_string() },
+    })?;
+    let scene = from_bytes(&bytes, path, options).map_err(|fault| fault.in_file(path))?;
+    Ok(SceneDescription { name: name_of(path), source: path.into(), ..scene })
+}
+
+fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SceneDescription, Fault> {
+    let chunks = container::split(bytes)?;
+    let document = Document::parse(chunks.json)?;
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let buffers = buffers::read(&document.root, chunks.bin, folder)?;
+    let accessors = Accessors { root: &document.root, buffers: &buffers };
+
+    let mut tally = Tally::default();
+    let number = document.root.scene.as_ref().map_or(0, gltf::json::Index::value);
+    let nodes = hierarchy::place_nodes(&document, number)?;
+    let shapes = shapes::read(&document, &accessors, &nodes, &mut tally)?;
+    let mut lights = Vec::new();
+    for placed in &nodes {
+        lights.extend(light::read(&document, placed, &mut tally)?);
+    }
+    let (sensor, film) = match camera::choose(&document, &nodes, options.camera.as_deref(), &mut tally)? {
+        Some((sensor, film)) => (Some(sensor), film),
+        None => (None, None),
+    };
+    let scene = document.exact.scenes.get(number);
+    let ours: SceneExtras = extras::read(scene.and_then(|s| s.extras.as_ref()), &place("scenes", number, None))?;
+    if !document.root.animations.is_empty() {
+        tally.others.push("animations are ignored: the scene is taken as it stands".into());
+    }
+    for extension in document.ignored_extensions() {
+        tally.others.push(format!("the extension {extension} is ignored"));
+    }
+    Ok(SceneDescription {
+        meshes: shapes.meshes,
+        spheres: shapes.spheres,
+        materials: shapes.materials,
+        lights,
+        environment: ours.environment,
+        sensor,
+        film: film.or(ours.film),
+        render: ours.render.unwrap_or_default(),
+        reference: ours.reference,
+        warnings: tally.sentences(),
+        ..SceneDescription::default()
+    })
+}
+
+/// The file's name without its ending; the folder's for a file called `scene`.
+fn name_of(path: &Path) -> String {
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let folder = path.parent().and_then(Path::file_name).filter(|_| stem == "scene");
+    folder.map_or(stem, |folder| folder.to_string_lossy().into_owned())
+}
