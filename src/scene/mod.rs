@@ -2,5 +2,6 @@
 
 pub mod bsdf;
 pub mod description;
+pub mod mitsuba;
 
 pub use description::SceneDescription;
