@@ -1,0 +1,219 @@
+use std::cmp::Ordering;
+use std::fs::{self, File};
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use super::error::ExportError;
+use super::xml::Element;
+use super::{ply, sensor};
+use crate::geometry::Frame;
+use crate::scene::description::{
+    BsdfDescription, ConductorFresnel, FilmSize, Light, LightKind, Material, Mesh, SceneDescription, Sphere,
+};
+use crate::spectrum::Rgb;
+
+/// What the XML file says beyond the scene. A run of Mitsuba may override the integrator and the number of samples.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ExportOptions {
+    /// Size of the image in pixels.
+    pub film: FilmSize,
+    /// Longest path in edges, Mitsuba's `max_depth`; `None` is unlimited.
+    pub max_length: Option<u32>,
+    /// Length in edges from which Mitsuba's Russian roulette may end a path, at least 1.
+    pub rr_depth: u32,
+    /// Samples per pixel.
+    pub spp: u32,
+}
+
+impl Default for ExportOptions {
+    /// 256 × 256 pixels, any length, and Mitsuba's own start of Russian roulette.
+    fn default() -> Self {
+        Self { film: FilmSize { width: 256, height: 256 }, max_length: None, rr_depth: 5, spp: 64 }
+    }
+}
+
+/// Writes `scene.xml` and `meshes/*.ply` into `folder`, which is created where it does not exist, and returns the path
+/// of the XML file.
+///
+/// Quantities keep their unit: radiance, intensity and irradiance are written as linear RGB, which Mitsuba's RGB variants
+/// use as they are. Vertices are rounded to single precision.
+///
+/// # Errors
+/// Where a file cannot be written, the scene has no camera or refers to what it does not have, or asks for what Mitsuba
+/// cannot render: pixels that are not square under a perspective camera, a reflectance outside `[0, 1]`.
+pub fn export(scene: &SceneDescription, options: &ExportOptions, folder: &Path) -> Result<PathBuf, ExportError> {
+    let integrator = Element::plugin("integrator", "path")
+        .integer("max_depth", options.max_length.map_or(-1, i64::from))
+        .integer("rr_depth", i64::from(options.rr_depth));
+    let mut root =
+        Element::new("scene").with("version", "3.0.0").child(integrator).child(sensor::sensor(scene, options)?);
+    for (index, material) in scene.materials.iter().enumerate() {
+        root = root.child(bsdf(scene, material)?.with("id", material_id(index)));
+    }
+
+    let meshes = scene.meshes.iter().enumerate().filter(|(_, mesh)| !mesh.triangles.is_empty());
+    let files: Vec<_> = meshes.map(|(index, mesh)| (mesh_file(index, mesh), mesh)).collect();
+    for (file, mesh) in &files {
+        check_mesh(scene, mesh)?;
+        let shape =
+            Element::plugin("shape", "ply").string("filename", file).boolean("face_normals", mesh.normals.is_none());
+        root = root.child(with_material(scene, shape, mesh.material, &format!("mesh '{}'", mesh.name))?);
+    }
+    for sphere in &scene.spheres {
+        root = root.child(sphere_shape(scene, sphere)?);
+    }
+    for light in &scene.lights {
+        root = root.child(emitter(scene, light)?);
+    }
+    if let Some(radiance) = scene.environment {
+        check_power(scene, "environment", radiance)?;
+        root = root.child(Element::plugin("emitter", "constant").rgb("radiance", radiance));
+    }
+
+    let mesh_folder = folder.join("meshes");
+    fs::create_dir_all(&mesh_folder).map_err(ExportError::io(&mesh_folder))?;
+    for (file, mesh) in &files {
+        let path = folder.join(file);
+        ply::write(&path, mesh).map_err(ExportError::io(&path))?;
+    }
+    let path = folder.join("scene.xml");
+    let mut out = BufWriter::new(File::create(&path).map_err(ExportError::io(&path))?);
+    root.write_document(&mut out).and_then(|()| out.flush()).map_err(ExportError::io(&path))?;
+    Ok(path)
+}
+
+fn material_id(index: usize) -> String {
+    format!("material_{index}")
+}
+
+/// A file name that any system takes, whatever the mesh is called.
+fn mesh_file(index: usize, mesh: &Mesh) -> String {
+    let name: String = mesh.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).take(40).collect();
+    format!("meshes/{index:04}_{name}.ply")
+}
+
+fn bsdf(scene: &SceneDescription, material: &Material) -> Result<Element, ExportError> {
+    let place = format!("material '{}'", material.name);
+    let (element, transmits) = match &material.bsdf {
+        BsdfDescription::Diffuse { reflectance } => {
+            check_share(scene, &place, *reflectance)?;
+            (Element::plugin("bsdf", "diffuse").rgb("reflectance", *reflectance), false)
+        }
+        BsdfDescription::Conductor { fresnel } => {
+            (conductor(scene, &place, Element::plugin("bsdf", "conductor"), fresnel)?, false)
+        }
+        BsdfDescription::RoughConductor { alpha, fresnel } => {
+            (conductor(scene, &place, rough("roughconductor", *alpha), fresnel)?, false)
+        }
+        BsdfDescription::Dielectric { interior_ior, exterior_ior } => {
+            (dielectric(Element::plugin("bsdf", "dielectric"), *interior_ior, *exterior_ior), true)
+        }
+        BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior } => {
+            (dielectric(rough("roughdielectric", *alpha), *interior_ior, *exterior_ior), true)
+        }
+    };
+    let wrap = material.two_sided && !transmits;
+    Ok(if wrap { Element::plugin("bsdf", "twosided").child(element) } else { element })
+}
+
+fn rough(plugin: &str, alpha: f64) -> Element {
+    Element::plugin("bsdf", plugin).string("distribution", "ggx").float("alpha", alpha)
+}
+
+fn conductor(
+    scene: &SceneDescription,
+    place: &str,
+    element: Element,
+    fresnel: &ConductorFresnel,
+) -> Result<Element, ExportError> {
+    match fresnel {
+        ConductorFresnel::Ior { eta, k } => Ok(element.rgb("eta", *eta).rgb("k", *k)),
+        ConductorFresnel::Tint { specular_tint } => {
+            check_share(scene, place, *specular_tint)?;
+            Ok(element.string("material", "none").rgb("specular_reflectance", *specular_tint))
+        }
+    }
+}
+
+fn dielectric(element: Element, interior_ior: f64, exterior_ior: f64) -> Element {
+    element.float("int_ior", interior_ior).float("ext_ior", exterior_ior)
+}
+
+fn sphere_shape(scene: &SceneDescription, sphere: &Sphere) -> Result<Element, ExportError> {
+    let shape = Element::plugin("shape", "sphere").point("center", sphere.centre).float("radius", sphere.radius);
+    with_material(scene, shape, sphere.material, &format!("sphere '{}'", sphere.name))
+}
+
+fn with_material(scene: &SceneDescription, shape: Element, index: usize, place: &str) -> Result<Element, ExportError> {
+    let Some(material) = scene.materials.get(index) else {
+        let problem = format!("refers to material {index}, but there are {}", scene.materials.len());
+        return Err(ExportError::invalid(&scene.name, place, problem));
+    };
+    let shape = shape.child(Element::new("ref").with("id", material_id(index)));
+    if material.emission.is_black() {
+        return Ok(shape);
+    }
+    check_power(scene, &format!("material '{}'", material.name), material.emission)?;
+    Ok(shape.child(Element::plugin("emitter", "area").rgb("radiance", material.emission)))
+}
+
+fn emitter(scene: &SceneDescription, light: &Light) -> Result<Element, ExportError> {
+    let place = format!("light '{}'", light.name);
+    match light.kind {
+        LightKind::Point { position, intensity } => {
+            check_power(scene, &place, intensity)?;
+            Ok(Element::plugin("emitter", "point").point("position", position).rgb("intensity", intensity))
+        }
+        LightKind::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+            check_power(scene, &place, intensity)?;
+            // Mitsuba divides by the difference of the angles.
+            if inner_angle.partial_cmp(&outer_angle) != Some(Ordering::Less) {
+                let what =
+                    format!("a spot whose inner cone ({inner_angle} rad) is not inside the outer ({outer_angle} rad)");
+                let remedy = "make the outer angle larger";
+                return Err(ExportError::unsupported(&scene.name, place, what, remedy));
+            }
+            let frame = Frame::around(direction);
+            Ok(Element::plugin("emitter", "spot")
+                .rgb("intensity", intensity)
+                .float("cutoff_angle", outer_angle.to_degrees())
+                .float("beam_width", inner_angle.to_degrees())
+                .frame(frame.x, frame.y, frame.z, position))
+        }
+        LightKind::Directional { direction, irradiance } => {
+            check_power(scene, &place, irradiance)?;
+            Ok(Element::plugin("emitter", "directional").vector("direction", direction).rgb("irradiance", irradiance))
+        }
+    }
+}
+
+/// Mitsuba refuses a reflectance outside `[0, 1]`.
+fn check_share(scene: &SceneDescription, place: &str, value: Rgb) -> Result<(), ExportError> {
+    if value.to_array().iter().all(|channel| (0.0..=1.0).contains(channel)) {
+        return Ok(());
+    }
+    let what = format!("a reflectance outside [0, 1] ({:?})", value.to_array());
+    Err(ExportError::unsupported(&scene.name, place, what, "reduce it"))
+}
+
+fn check_power(scene: &SceneDescription, place: &str, value: Rgb) -> Result<(), ExportError> {
+    if value.is_finite() && value.min_component() >= 0.0 {
+        return Ok(());
+    }
+    let problem = format!("emits {:?}; give finite values that are not negative", value.to_array());
+    Err(ExportError::invalid(&scene.name, place, problem))
+}
+
+fn check_mesh(scene: &SceneDescription, mesh: &Mesh) -> Result<(), ExportError> {
+    let vertices = mesh.positions.len();
+    let problem = if mesh.normals.as_ref().is_some_and(|normals| normals.len() != vertices) {
+        "has another number of normals than of vertices; give one normal per vertex"
+    } else if mesh.triangles.as_flattened().iter().any(|&index| index as usize >= vertices) {
+        "has a triangle with a vertex that does not exist; correct its indices"
+    } else if mesh.positions.iter().any(|position| !position.as_vec3().is_finite()) {
+        "has a position that is no single-precision number; correct or rescale it"
+    } else {
+        return Ok(());
+    };
+    Err(ExportError::invalid(&scene.name, format!("mesh '{}'", mesh.name), problem))
+}
