@@ -6,6 +6,7 @@ pub mod geometry;
 pub mod measure;
 mod names;
 pub mod path;
+pub mod report;
 pub mod sampler;
 pub mod scene;
 pub mod spectrum;
