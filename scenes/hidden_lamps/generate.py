@@ -72,7 +72,7 @@ def build() -> GltfScene:
     scene.mesh("book", box((3.2, 0.75 - SINK, 1.75), (3.5, 0.8, 2.0)), cloth)
     scene.mesh("cabinet", box((-SINK, -SINK, 1.7), (0.45, 0.95, 2.9)), wood)
     sofa = box((3.6, -SINK, -SINK), (5.3, 0.42, 0.8)).add(
-        box((3.6, 0.41, -SINK), (5.3, 0.85, 0.25))
+        box((3.61, 0.41, -SINK), (5.29, 0.85, 0.25))
     )
     scene.mesh("sofa", sofa, cloth)
     scene.mesh("picture", box((1.9, 1.3, -SINK), (3.1, 2.1, 0.03)), picture)
