@@ -35,6 +35,19 @@ pub struct RecordedTerm {
     pub path: Path,
 }
 
+impl std::fmt::Display for RecordedTerm {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let Term { pixel, value, technique, weight } = self.term;
+        let [r, g, b] = value.to_array();
+        writeln!(f, "{} by {technique}: pixel {},{}, weight {weight}, value {r} {g} {b}", self.path.notation(), pixel.x, pixel.y)?;
+        for (i, vertex) in self.path.vertices().iter().enumerate() {
+            let [x, y, z] = vertex.position.to_array();
+            writeln!(f, "  x_{i} {:<9} {x} {y} {z}", vertex.kind.name())?;
+        }
+        Ok(())
+    }
+}
+
 /// Remembers everything.
 #[derive(Clone, Debug, Default)]
 pub struct Recorder {

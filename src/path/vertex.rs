@@ -38,6 +38,20 @@ pub enum VertexKind {
     Sensor,
 }
 
+impl VertexKind {
+    /// In one word, for people.
+    #[must_use]
+    pub fn name(&self) -> &'static str {
+        match self {
+            Self::Surface { emitter: Some(_), .. } => "emitter",
+            Self::Surface { .. } => "surface",
+            Self::Light(_) => "light",
+            Self::Infinite(_) => "infinity",
+            Self::Sensor => "sensor",
+        }
+    }
+}
+
 impl Vertex {
     /// The surface that it lies on, or none.
     #[must_use]

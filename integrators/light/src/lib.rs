@@ -202,7 +202,7 @@ impl LightTracer {
             self.heuristic.weight(iter::once(connected / by_chance), iter::empty())
         });
         let technique = Technique { s: edges + 1, t: 0 };
-        walk.add(technique, importance.pixel, walk.throughput * importance.value * xk.abs_cos(edge.direction), weight, &[xk]);
+        walk.add(technique, importance.pixel, walk.throughput * importance.value, weight, &[xk]);
     }
 
     /// The density of t = 1 for the last vertex, relative to the walk's own up to the one before.
