@@ -60,8 +60,7 @@ impl BsdfModel for Dielectric {
         let to = if u[2] < self.interface.fresnel(from.z).reflected {
             DVec3::new(-from.x, -from.y, from.z)
         } else {
-            let (scale, k) = self.interface.refraction(from.z)?;
-            let to = DVec3::new(-from.x * scale, -from.y * scale, k - from.z * scale);
+            let to = self.interface.refract(from, DVec3::Z, from.z)?;
             if to.z * from.z >= 0.0 {
                 return None;
             }
