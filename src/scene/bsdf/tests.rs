@@ -1,5 +1,7 @@
 //! Properties that all models share.
 
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
 mod chi2;
 mod consistency;
 mod energy;

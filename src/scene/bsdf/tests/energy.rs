@@ -112,13 +112,28 @@ fn white_metal_loses_what_its_single_scattering_must_lose() {
     }
 }
 
+/// At the limits of double precision no walk ends that should not: the albedo is that of parameters which are easier.
+/// Fixed seed; a sample's energy lies in 0 … 1, so that 5e-3 is at least two standard errors of the mean of 40 000 without
+/// strata, and with them five and more; a loss of 1 % is seen.
 #[test]
-#[ignore = "prints numbers for the documentation"]
-fn albedos_of_a_rough_interface() {
-    for alpha in [0.1, 0.5, 1.0] {
-        for cos in [1.0, 0.7, 0.3, 0.1, -1.0, -0.9, -0.7, -0.3] {
-            let [r, t] = albedo(&rough_glass(alpha, 1.5), Side::Emitter, direction(cos, 0.3), 16);
-            println!("α {alpha} cos {cos}: {:.5} + {:.5} = {:.5}", r.0, t.0, r.0 + t.0);
+fn extreme_parameters_lose_no_energy() {
+    for cos in [1.0, 0.5, 0.1, -0.3] {
+        let from = direction(cos, 0.3);
+        for (extreme, easy) in [
+            (rough_glass(0.1, 1.0 + 1e-9), rough_glass(0.1, 1.0 + 1e-6)),
+            (rough_glass(1.0, 1.0 - 1e-9), rough_glass(1.0, 1.0 - 1e-6)),
+            (rough_glass(1e-8, 1.5), glass(1.5)),
+        ] {
+            let [a, b] = [(&extreme, 17), (&easy, 18)].map(|(bsdf, seed)| {
+                let [(reflected, _), (transmitted, _)] = albedo(bsdf, Side::Emitter, from, seed);
+                reflected + transmitted
+            });
+            assert!((a - b).abs() < 5e-3, "{extreme:?}, cos {cos}: {a}, not {b}");
         }
+    }
+    for cos in [0.5, 1e-3, 1e-6] {
+        let from = direction(cos, 0.3);
+        let (found, _) = albedo(&metal(1e-8, white()), Side::Sensor, from, 19)[0];
+        assert!((found - 1.0).abs() < 1e-3, "mirror-like metal at cos {cos}: {found}");
     }
 }
