@@ -28,6 +28,14 @@ impl Dielectric {
             (0.0, 1.0)
         }
     }
+
+    /// The coefficient of a walk that takes a lobe with probability `share`, as [`LobeDensity::Dirac`] defines it.
+    fn density_of(side: Side, share: f64, scale: f64) -> Density<ProjectedSolidAngle> {
+        Density::new(match side {
+            Side::Sensor => share,
+            Side::Emitter => share * scale,
+        })
+    }
 }
 
 impl BsdfModel for Dielectric {
@@ -47,10 +55,7 @@ impl BsdfModel for Dielectric {
     fn density_dirac(&self, side: Side, from: DVec3, to: DVec3) -> Density<ProjectedSolidAngle> {
         let (to_emitter, to_sensor) = side.by_role(from, to);
         let (share, scale) = self.lobe(to_emitter, to_sensor);
-        Density::new(match side {
-            Side::Sensor => share,
-            Side::Emitter => share * scale,
-        })
+        Self::density_of(side, share, scale)
     }
 
     fn sample(&self, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
@@ -60,20 +65,17 @@ impl BsdfModel for Dielectric {
         let to = if u[2] < self.interface.fresnel(from.z).reflected {
             DVec3::new(-from.x, -from.y, from.z)
         } else {
-            let (scale, k) = self.interface.refraction(from.z)?;
-            let to = DVec3::new(-from.x * scale, -from.y * scale, k - from.z * scale);
+            let to = self.interface.refract(from, DVec3::Z, from.z)?;
             if to.z * from.z >= 0.0 {
                 return None;
             }
             to
         };
-        let density = self.density_dirac(side, from, to);
         let (to_emitter, to_sensor) = side.by_role(from, to);
-        (density.value() > 0.0).then(|| BsdfSample {
-            to,
-            density: LobeDensity::Dirac(density),
-            value: self.eval_dirac(to_emitter, to_sensor),
-        })
+        let (share, scale) = self.lobe(to_emitter, to_sensor);
+        let density = Self::density_of(side, share, scale);
+        let value = Rgb::grey(share * scale);
+        (share > 0.0).then_some(BsdfSample { to, density: LobeDensity::Dirac(density), value })
     }
 
     fn radiance_scale(&self, to_emitter: DVec3, to_sensor: DVec3) -> f64 {

@@ -1,5 +1,7 @@
 //! Fresnel's equations for unpolarised light, arranged so that no digits cancel.
 
+use glam::DVec3;
+
 use crate::scene::description::ConductorFresnel;
 use crate::spectrum::Rgb;
 
@@ -66,12 +68,13 @@ impl Interface {
     #[inline]
     pub fn cos_refracted(&self, cos: f64) -> Option<f64> {
         let (n, n2_minus_one) = self.relative(cos);
-        let square = n2_minus_one + cos * cos;
+        // n² − sin²θ, by whichever difference cancels less.
+        let square = if n < 0.5 { n * n - (1.0 - cos.abs()) * (1.0 + cos.abs()) } else { n2_minus_one + cos * cos };
         (square > 0.0).then(|| square.sqrt() / n)
     }
 
     /// `F = (r_s² + r_p²) / 2` for light from the side of the cosine, with
-    /// `r_s = (1 − n²) / (c + n c_t)²` and `r_p = (n² − 1) ((n² + 1) c² − 1) / (n (n c + c_t))²`,
+    /// `r_s = (1 − n²) / (c + n c_t)²` and `r_p = (n² − 1) (n² c² − sin²θ) / (n (n c + c_t))²`,
     /// the usual ratios with their differences multiplied out, and `1 − F` from the products of the transmitted amplitudes.
     #[must_use]
     #[inline]
@@ -86,7 +89,7 @@ impl Interface {
         let c = cos.abs();
         let (s, p) = (c + n * ct, n * c + ct);
         let r_s = n2_minus_one / (s * s);
-        let r_p = n2_minus_one * ((n * n + 1.0) * c * c - 1.0) / (n * n * p * p);
+        let r_p = n2_minus_one * (n * n * c * c - (1.0 - c) * (1.0 + c)) / (n * n * p * p);
         Split {
             reflected: (0.5 * (r_s * r_s + r_p * r_p)).min(1.0),
             transmitted: (2.0 * n * c * ct * (1.0 / (s * s) + 1.0 / (p * p))).min(1.0),
@@ -103,15 +106,17 @@ impl Interface {
         self.fresnel(thin).transmitted
     }
 
-    /// The factor k in the refracted direction `−v/n + k m`, where `cos = v·m`:
-    /// `k = c/n − c_t = (1 − n²) / (n² (c/n + c_t))` for c > 0, negated for c < 0.
+    /// The direction of refraction at the normal `m`, `−v/n + k m` with `cos = v·m` and
+    /// `k = c/n − c_t = (1 − n²) / (n² (c/n + c_t))` for c > 0, negated for c < 0; `None` for total reflection.
     #[must_use]
     #[inline]
-    pub fn refraction(&self, cos: f64) -> Option<(f64, f64)> {
+    pub fn refract(&self, v: DVec3, m: DVec3, cos: f64) -> Option<DVec3> {
         let (n, n2_minus_one) = self.relative(cos);
         let ct = self.cos_refracted(cos)?;
         let k = -n2_minus_one / (n * n * (cos.abs() / n + ct));
-        Some((1.0 / n, k.copysign(-n2_minus_one * cos)))
+        let to = m * (if cos > 0.0 { k } else { -k }) - v * (1.0 / n);
+        // Small n magnifies the rounding of v, length included.
+        Some(if n < 0.5 { to.normalize() } else { to })
     }
 }
 
@@ -135,7 +140,8 @@ pub fn conductor(fresnel: &ConductorFresnel, cos: f64) -> Rgb {
 pub fn conductor_channel(eta: f64, k: f64, cos: f64) -> f64 {
     let c = cos.abs();
     let (re, im) = ((eta - k) * (eta + k), 2.0 * eta * k);
-    let below = re - (1.0 - c) * (1.0 + c);
+    // Re ε − sin²θ, by whichever difference cancels less.
+    let below = if c < 0.7 { (re - 1.0) + c * c } else { re - (1.0 - c) * (1.0 + c) };
     let modulus = (below * below + im * im).sqrt();
     // w = a + ib. The larger part has no cancellation; the other one follows from 2ab = Im ε.
     let large = (0.5 * (modulus + below.abs())).sqrt();

@@ -46,7 +46,7 @@ pub enum MaterialError {
 }
 
 const ALPHA_RANGE: &str = "1e-8 … 10";
-const INDEX_RANGE: &str = "1e-6 … 1e6";
+const INDEX_RANGE: &str = "0.01 … 100";
 
 /// Below this width `α |η − 1|` of the refracted lobe, directions in double precision hold less than four of its digits.
 const NARROWEST_REFRACTION: f64 = 1e-12;
@@ -97,7 +97,7 @@ fn ggx(alpha: f64, smooth: &'static str, substance: &'static str) -> Result<Ggx,
 
 fn interface(interior_ior: f64, exterior_ior: f64) -> Result<Interface, MaterialError> {
     for (parameter, value) in [("interior_ior", interior_ior), ("exterior_ior", exterior_ior)] {
-        if !(1e-6..=1e6).contains(&value) {
+        if !(0.01..=100.0).contains(&value) {
             return Err(MaterialError::Number { parameter, value, range: INDEX_RANGE });
         }
     }
@@ -130,6 +130,8 @@ fn channels(parameter: &'static str, rgb: Rgb, max: f64, range: &'static str) ->
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
 
     fn message(description: &BsdfDescription) -> String {
@@ -155,8 +157,8 @@ mod tests {
             (metal(-1.0), "alpha = -1 is outside 1e-8 … 10"),
             (metal(f64::NAN), "alpha = NaN is outside 1e-8 … 10"),
             (glass(1e-9, 1.5), "alpha = 0.000000001 is outside 1e-8 … 10: use `dielectric` for smooth glass"),
-            (glass(0.1, 0.0), "interior_ior = 0 is outside 1e-6 … 1e6"),
-            (glass(0.1, f64::INFINITY), "interior_ior = inf is outside 1e-6 … 1e6"),
+            (glass(0.1, 0.0), "interior_ior = 0 is outside 0.01 … 100"),
+            (glass(0.1, f64::INFINITY), "interior_ior = inf is outside 0.01 … 100"),
             (
                 BsdfDescription::Conductor { fresnel: ior(1.0, -0.5) },
                 "k = -0.5 in the green channel is outside 0 … 1e6",
@@ -175,6 +177,7 @@ mod tests {
         let glass = BsdfDescription::RoughDielectric { alpha: 0.5, interior_ior: 1.3, exterior_ior: 1.3 };
         let Ok(Bsdf::Dielectric(smooth)) = Bsdf::new(&glass) else { panic!("must become smooth") };
         assert_eq!(smooth.interface.fresnel(0.3).transmitted, 1.0);
-        assert_eq!(smooth.interface.refraction(0.3), Some((1.0, -0.0)));
+        let from = DVec3::new(0.8, 0.0, 0.6);
+        assert_eq!(smooth.interface.refract(from, DVec3::Z, 0.6), Some(-from));
     }
 }

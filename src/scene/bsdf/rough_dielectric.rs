@@ -94,12 +94,7 @@ impl BsdfModel for RoughDielectric {
         let m = self.distribution.sample_visible(upright, [u[0], u[1]]);
         let cos = from.dot(m);
         let reflects = u[2] < self.interface.fresnel(cos).reflected;
-        let to = if reflects {
-            m * (2.0 * cos) - from
-        } else {
-            let (scale, k) = self.interface.refraction(cos)?;
-            m * k - from * scale
-        };
+        let to = if reflects { m * (2.0 * cos) - from } else { self.interface.refract(from, m, cos)? };
         // Single scattering: what leaves the microfacet towards the wrong side of the surface is lost.
         if (to.z * from.z > 0.0) != reflects {
             return None;

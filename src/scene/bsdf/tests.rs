@@ -1,1 +1,78 @@
 //! Properties that all models share.
+
+#![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
+
+mod chi2;
+mod consistency;
+mod energy;
+mod robustness;
+
+use glam::DVec3;
+use rand::SeedableRng;
+use rand_xoshiro::Xoshiro256PlusPlus;
+
+use super::{Bsdf, BsdfSample, LobeDensity, Side};
+use crate::scene::description::{BsdfDescription, ConductorFresnel};
+use crate::spectrum::Rgb;
+
+const SIDES: [Side; 2] = [Side::Sensor, Side::Emitter];
+
+fn random_numbers(seed: u64) -> Xoshiro256PlusPlus {
+    Xoshiro256PlusPlus::seed_from_u64(seed)
+}
+
+fn diffuse() -> Bsdf {
+    Bsdf::new(&BsdfDescription::Diffuse { reflectance: Rgb::new(0.2, 0.5, 1.0) }).unwrap()
+}
+
+/// Gold, about.
+fn gold() -> ConductorFresnel {
+    ConductorFresnel::Ior { eta: Rgb::new(0.14, 0.37, 1.44), k: Rgb::new(4.0, 2.4, 1.6) }
+}
+
+fn white() -> ConductorFresnel {
+    ConductorFresnel::Tint { specular_tint: Rgb::WHITE }
+}
+
+fn mirror(fresnel: ConductorFresnel) -> Bsdf {
+    Bsdf::new(&BsdfDescription::Conductor { fresnel }).unwrap()
+}
+
+fn metal(alpha: f64, fresnel: ConductorFresnel) -> Bsdf {
+    Bsdf::new(&BsdfDescription::RoughConductor { alpha, fresnel }).unwrap()
+}
+
+fn glass(interior_ior: f64) -> Bsdf {
+    Bsdf::new(&BsdfDescription::Dielectric { interior_ior, exterior_ior: 1.0 }).unwrap()
+}
+
+fn rough_glass(alpha: f64, interior_ior: f64) -> Bsdf {
+    Bsdf::new(&BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior: 1.0 }).unwrap()
+}
+
+/// The unit vector with this cosine and azimuth.
+fn direction(cos: f64, phi: f64) -> DVec3 {
+    let (s, c) = libm::sincos(phi);
+    let sine = ((1.0 - cos) * (1.0 + cos)).sqrt();
+    DVec3::new(sine * c, sine * s, cos)
+}
+
+fn mirrored(from: DVec3) -> DVec3 {
+    DVec3::new(-from.x, -from.y, from.z)
+}
+
+/// Snell's law by its textbook form, for an inside of index `ior`; `None` for total reflection.
+fn refracted(from: DVec3, ior: f64) -> Option<DVec3> {
+    let n = if from.z > 0.0 { ior } else { 1.0 / ior };
+    let (x, y) = (-from.x / n, -from.y / n);
+    let square = 1.0 - x * x - y * y;
+    (square > 0.0).then(|| DVec3::new(x, y, -square.sqrt().copysign(from.z)))
+}
+
+/// `f cos θ / p` of a drawn direction: the factor by which a walk's throughput changes.
+fn throughput(sample: &BsdfSample) -> Rgb {
+    match sample.density {
+        LobeDensity::Finite(density) => sample.value * (sample.to.z.abs() / density.value()),
+        LobeDensity::Dirac(density) => sample.value / density.value(),
+    }
+}
