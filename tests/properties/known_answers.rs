@@ -50,6 +50,6 @@ fn the_enclosure_is_met() {
         let settings = || Settings::parse(text).expect("well formed");
         check("path", &PathTracer::new(&mut settings()).expect("valid"), max_length, 400);
         check("path_bsdf", &BsdfPathTracer::new(&mut settings()).expect("valid"), max_length, 400);
-        check("light", &LightTracer::new(&mut settings()).expect("valid"), max_length, 3200);
+        check("light", &LightTracer::new(&mut settings()).expect("valid"), max_length, 4000);
     }
 }
