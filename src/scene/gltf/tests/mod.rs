@@ -7,6 +7,7 @@ mod bad_nodes;
 mod cameras_and_lights;
 mod extras;
 mod materials;
+mod mutations;
 mod samples;
 mod transforms;
 
