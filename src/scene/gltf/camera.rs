@@ -76,7 +76,7 @@ fn read(document: &Document, placed: &Placed, camera: usize, name: String, tally
         tally.others.push(format!("camera {name:?} stands in a mirroring transform; its image is not mirrored"));
     }
     let projection = projection(found, &ours, &here)?;
-    let position = placed.world.translation.into();
+    let position = placed.world.translation;
     Ok((SensorDescription { name, position, forward, up, projection }, ours.film))
 }
 
@@ -109,12 +109,12 @@ fn projection(camera: &exact::Camera, ours: &CameraExtras, here: &str) -> Result
 /// The images of −Z and +Y, orthonormal: scale and shear are left out.
 fn orientation(world: &DAffine3) -> Option<(DVec3, DVec3)> {
     let forward = direction(world)?;
-    let up = DVec3::from(world.matrix3.y_axis).try_normalize()?;
+    let up = world.matrix3.y_axis.try_normalize()?;
     let up = (up - forward * up.dot(forward)).try_normalize()?;
     Some((forward, up))
 }
 
 /// Where −Z goes, of length one: the axis of cameras and lights.
 pub(super) fn direction(world: &DAffine3) -> Option<DVec3> {
-    DVec3::from(-world.matrix3.z_axis).try_normalize()
+    (-world.matrix3.z_axis).try_normalize()
 }

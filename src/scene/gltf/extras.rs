@@ -56,7 +56,11 @@ pub(super) fn read<T: DeserializeOwned + Default>(extras: Option<&Value>, owner:
     let Some(ours) = extras.and_then(|extras| extras.get("pathspace")) else {
         return Ok(T::default());
     };
-    T::deserialize(ours).map_err(|error| explain(&error.to_string(), &format!("{owner}.extras.pathspace")))
+    let place = format!("{owner}.extras.pathspace");
+    if !ours.is_object() {
+        return Err(Fault::invalid(place, "is no object", "scenes/README.md says what can stand here"));
+    }
+    T::deserialize(ours).map_err(|error| explain(&error.to_string(), &place))
 }
 
 /// Turns serde's message into one that names the nearest valid word.

@@ -106,7 +106,7 @@ fn local(node: &exact::Node, place: &str) -> Result<DAffine3, Fault> {
         return Err(Fault::invalid(place, problem, "make its last row 0 0 0 1"));
     }
     let column = |i: usize| DVec3::new(m[4 * i], m[4 * i + 1], m[4 * i + 2]);
-    Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)).into(), translation: column(3).into() })
+    Ok(DAffine3 { matrix3: DMat3::from_cols(column(0), column(1), column(2)), translation: column(3) })
 }
 
 /// `T R S`, with the rotation `(x, y, z, w)` normalised: files hold it in single precision.

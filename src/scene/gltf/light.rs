@@ -30,7 +30,7 @@ pub(super) fn read(document: &Document, placed: &Placed, tally: &mut Tally) -> R
     if light.range.is_some() && light.kind != "directional" {
         tally.ranges += 1;
     }
-    let position = placed.world.translation.into();
+    let position = placed.world.translation;
     let direction = || {
         direction(&placed.world).ok_or_else(|| {
             let problem = "its transform leaves the light no direction";

@@ -111,8 +111,14 @@ fn read(material: &exact::Material, here: &str, index: usize, tally: &mut Tally)
 fn emission(material: &exact::Material, here: &str) -> Result<Rgb, Fault> {
     let factor = Rgb::from(material.emissive_factor);
     let strength = number(material, "KHR_materials_emissive_strength", "emissiveStrength", 1.0, here)?;
-    if strength < 0.0 {
-        return Err(Fault::invalid(here, format!("emissiveStrength is {strength}"), "make it zero or more"));
+    for (name, value) in [("emissiveStrength", strength), ("emissiveFactor", factor.min_component())] {
+        if value < 0.0 {
+            return Err(Fault::invalid(
+                format!("{here}.{name}"),
+                format!("{value} is negative"),
+                "make it zero or more",
+            ));
+        }
     }
     if material.emissive_texture.is_some() && !factor.is_black() {
         return Err(textures(here, "emissiveTexture"));
@@ -174,6 +180,13 @@ fn single_lobe(material: &exact::Material, here: &str) -> Result<(BsdfDescriptio
     let (metallic, roughness) = (surface.metallic_factor, surface.roughness_factor);
     let transmission = number(material, "KHR_materials_transmission", "transmissionFactor", 0.0, here)?;
     let ior = number(material, "KHR_materials_ior", "ior", 1.5, here)?;
+    let channels = [("baseColorFactor", r), ("baseColorFactor", g), ("baseColorFactor", b)];
+    let factors = [("metallicFactor", metallic), ("roughnessFactor", roughness), ("transmissionFactor", transmission)];
+    for (name, value) in channels.into_iter().chain(factors) {
+        if !(0.0..=1.0).contains(&value) {
+            return Err(Fault::invalid(format!("{here}.{name}"), format!("{value} is no share"), "make it 0 … 1"));
+        }
+    }
     let alpha = roughness * roughness;
     let smooth = alpha < SMALLEST_ALPHA;
     // Metal covers what transmits: glTF mixes the two lobes by `metallicFactor`.

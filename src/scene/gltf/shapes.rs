@@ -1,6 +1,7 @@
 //! Everything with a surface: meshes and analytic spheres, with the materials that they use.
 
 use std::collections::HashMap;
+use std::collections::hash_map::Entry;
 
 use glam::{DAffine3, DVec3};
 use gltf::json::Index;
@@ -48,10 +49,10 @@ pub(super) fn read(
         }
         let Some(mesh) = document.root.nodes[placed.node].mesh.as_ref().map(Index::value) else { continue };
         refuse_deformed(document, placed.node, mesh, &here)?;
-        if !known.contains_key(&mesh) {
-            known.insert(mesh, primitive::read_mesh(accessors, mesh, tally)?);
-        }
-        let primitives = &known[&mesh];
+        let primitives = match known.entry(mesh) {
+            Entry::Occupied(read_before) => read_before.into_mut(),
+            Entry::Vacant(new) => new.insert(primitive::read_mesh(accessors, mesh, tally)?),
+        };
         let transforms = instancing::transforms(document, accessors, placed)?;
         for (instance, world) in transforms.iter().enumerate() {
             for (number, primitive) in primitives.iter().enumerate() {
@@ -126,13 +127,13 @@ fn read_sphere(
     };
     let material = materials.number(material, tally)?;
     let name = node.name.clone().unwrap_or_else(|| format!("node {}", placed.node));
-    Ok(Sphere { name, centre: placed.world.translation.into(), radius, material })
+    Ok(Sphere { name, centre: placed.world.translation, radius, material })
 }
 
 /// The factor by which a transform scales all lengths, where it does so up to the rounding of single precision.
 fn uniform_scale(world: &DAffine3) -> Option<f64> {
     const TOLERANCE: f64 = 1e-5;
-    let axes = [world.matrix3.x_axis, world.matrix3.y_axis, world.matrix3.z_axis].map(DVec3::from);
+    let axes = [world.matrix3.x_axis, world.matrix3.y_axis, world.matrix3.z_axis];
     let [x, y, z] = axes;
     let lengths = axes.map(DVec3::length);
     let scale = (lengths[0] + lengths[1] + lengths[2]) / 3.0;

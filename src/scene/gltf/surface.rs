@@ -36,7 +36,7 @@ pub(super) fn to_world(
         }
         positions.push(moved);
     }
-    let cofactor = Cofactor::of(world.matrix3.into());
+    let cofactor = Cofactor::of(world.matrix3);
     let mut triangles = primitive.triangles.clone();
     if cofactor.mirrors {
         triangles.iter_mut().for_each(|corners| corners.swap(1, 2));

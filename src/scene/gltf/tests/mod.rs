@@ -1,5 +1,5 @@
 //! Small files written by the tests themselves, and files of other people where they are at hand.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::needless_pass_by_value)]
 
 mod accessors;
 mod bad_files;
@@ -7,6 +7,7 @@ mod bad_nodes;
 mod cameras_and_lights;
 mod extras;
 mod materials;
+mod mutations;
 mod samples;
 mod transforms;
 

@@ -54,7 +54,7 @@ fn a_mirrored_front_stays_the_front() {
 #[test]
 fn normals_follow_the_surface_under_any_transform() {
     let normal = [1.0_f32, 2.0, 3.0];
-    // Two edges at right angles to the normal stay at right angles to it, and its side stays the front.
+    // The normal of this triangle: it stays at right angles to the edges and on the side of the front.
     let positions = [[0.0, 0.0, 0.0], [2.0, -1.0, 0.0], [3.0, 0.0, -1.0]];
     for scale in [[2, 3, 4], [-2, 3, 4], [2, -3, -4], [-1, -5, -1]] {
         let mut file = File::default();
@@ -68,9 +68,7 @@ fn normals_follow_the_surface_under_any_transform() {
         let normal = mesh.normals.as_ref().unwrap()[vertex];
         assert!((normal.length() - 1.0).abs() < 1e-14);
         assert!(normal.dot(b - a).abs() < 1e-12 && normal.dot(c - a).abs() < 1e-12, "{scale:?}: {normal}");
-        let front = if facing(TRIANGLE.map(|p| DVec3::from(p.map(f64::from)))).z > 0.0 { 1.0 } else { -1.0 };
-        let before = DVec3::new(2.0, -1.0, 0.0).cross(DVec3::new(3.0, 0.0, -1.0)).dot(DVec3::new(1.0, 2.0, 3.0));
-        assert_eq!(facing([a, b, c]).dot(normal).signum(), front * before.signum(), "{scale:?}");
+        assert!(facing([a, b, c]).dot(normal) > 0.99, "{scale:?}");
     }
 }
 
