@@ -1,0 +1,1 @@
+"""Mitsuba as an opponent, and plots of what a comparison found."""
