@@ -80,7 +80,7 @@ fn equal_means_differ_at_most_at_the_stated_rate_and_not_much_below_it() {
 #[test]
 fn skewed_passes_do_not_raise_the_rate() {
     let mut random = Random::new(2);
-    // Without the correction for skewness about 110 of 1000.
+    // Without the correction for skewness 114 of 1000.
     let differ = count_differ(1000, || {
         let a = statistics(128, |_| random.exponential());
         let b = statistics(128, |_| 1.0 + 0.2 * random.normal());

@@ -38,7 +38,7 @@ pub struct SummaryRow {
     pub seeds: usize,
     /// Samples per pixel and second of rendering at the last checkpoint, mean over seeds \[1/s\].
     pub spp_per_second: Option<f64>,
-    /// The time at which errors are compared \[s\]: the last that most methods have reached.
+    /// The time at which errors are compared \[s\]: the last at which most methods can be compared with the base.
     pub equal_time: Option<f64>,
     /// Mean over seeds of the MSE at the equal time; missing where the method has no checkpoints on both sides of it.
     pub mse: Option<f64>,
@@ -182,11 +182,12 @@ fn groups(rows: &[Row]) -> Vec<Group<'_>> {
     groups
 }
 
-/// The time at which most methods can be compared, and the latest such.
-fn equal_time(groups: &[&Group<'_>]) -> Option<f64> {
-    let reach = |time: f64| groups.iter().filter(|group| at(&group.curves(|row| row.mse), time).is_some()).count();
+/// The time at which most methods can be compared with the base, and the latest such.
+fn equal_time(groups: &[&Group<'_>], base: &Group<'_>) -> Option<f64> {
+    let covers = |group: &Group<'_>, time: f64| at(&group.curves(|row| row.mse), time).is_some();
+    let rank = |time: f64| (covers(base, time), groups.iter().filter(|group| covers(group, time)).count());
     let candidates = groups.iter().filter_map(|group| group.last_time());
-    candidates.max_by(|&a, &b| reach(a).cmp(&reach(b)).then(a.total_cmp(&b)))
+    candidates.max_by(|&a, &b| rank(a).cmp(&rank(b)).then(a.total_cmp(&b)))
 }
 
 /// One line per scene and method, in the order of their first rows.
@@ -204,12 +205,11 @@ pub fn summarise(rows: &[Row]) -> Vec<SummaryRow> {
 }
 
 fn summarise_scene(groups: &[&Group<'_>]) -> Vec<SummaryRow> {
-    let time = equal_time(groups);
-    let mse_at = |group: &Group<'_>| mean(&at(&group.curves(|row| row.mse), time?)?);
     let Some(base) = groups.iter().find(|group| group.method.starts_with("mitsuba")).or(groups.first()) else {
         return Vec::new();
     };
-    let target = mse_at(base);
+    let time = equal_time(groups, base);
+    let target = time.and_then(|time| mean(&at(&base.curves(|row| row.mse), time)?));
     let row = |group: &Group<'_>| {
         let curves = group.curves(|row| row.mse);
         let at_time = time.and_then(|time| at(&curves, time));
