@@ -186,7 +186,7 @@ def run(options: argparse.Namespace, interrupt: Interrupt) -> int:
     interrupt.check()
 
     start = time.perf_counter()
-    pass_spp, setup_seconds = warm_up(loaded.render, options, interrupt)
+    pass_spp, setup_seconds = warm_up(loaded.render, variant, options, interrupt)
     warmup_seconds = time.perf_counter() - start
 
     seeds = PassSeeds(options.seed, *loaded.size)
@@ -280,11 +280,11 @@ def load(options: argparse.Namespace, variant: str) -> Loaded:
     dr.set_thread_count(options.threads)
     imported = time.perf_counter()
 
-    scene = mi.load_file(str(options.scene))
+    scene: Any = mi.load_file(str(options.scene))
     dr.sync_thread()
     loaded = time.perf_counter()
 
-    integrator = mi.load_dict(
+    integrator: Any = mi.load_dict(
         {
             "type": options.integrator,
             "max_depth": options.max_length,
@@ -305,7 +305,9 @@ def load(options: argparse.Namespace, variant: str) -> Loaded:
     )
 
 
-def warm_up(render: Render, options: argparse.Namespace, interrupt: Interrupt) -> tuple[int, float]:
+def warm_up(
+    render: Render, variant: str, options: argparse.Namespace, interrupt: Interrupt
+) -> tuple[int, float]:
     """Compile, and find the size of a pass; return it with the time of compilation [s]."""
     if options.pass_spp is None:
         first = options.checkpoints[0] if options.checkpoints else options.seconds or 1.0
@@ -326,15 +328,8 @@ def warm_up(render: Render, options: argparse.Namespace, interrupt: Interrupt) -
             pass_seconds = timed(render, 1, spp).seconds
             setup_seconds = max(setup_seconds, first_seconds - pass_seconds)
     interrupt.check()
-    tell(variant=variant_name(), pass_spp=pass_spp, pass_seconds=pass_seconds)
+    tell(variant=variant, pass_spp=pass_spp, pass_seconds=pass_seconds)
     return pass_spp, setup_seconds
-
-
-def variant_name() -> str:
-    """The variant that Mitsuba runs as."""
-    import mitsuba as mi
-
-    return mi.variant()
 
 
 def write_checkpoint(folder: Path, ladder: Ladder, index: int) -> dict[str, Any]:
