@@ -14,7 +14,7 @@ use super::description::{FilmSize, LightKind, Material, Projection, SensorDescri
 use super::discrete::Discrete;
 use super::emitter::{Directional, Emitter, EmitterId, Environment, MeshEmitter, Point, SphereEmitter, Spot};
 use super::sensor::Sensor;
-use super::{MaterialId, PrimitiveId, Scene, SceneDescription, Shape, SurfaceMaterial};
+use super::{MaterialId, Scene, SceneDescription, Shape, SurfaceMaterial};
 
 /// What a user may decide about a scene beyond its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -206,7 +206,11 @@ impl Builder<'_> {
             .map(|(i, s)| SphereShape { centre: s.centre - centre, radius: s.radius, shape: (first + i) as u32 })
             .collect();
         let (accel, order) = Accel::build(&triangles, &spheres, radius);
-        let normals = if smooth { order.iter().map(|&i| normals[i as usize]).collect() } else { Vec::new() };
+        let unused = [Vec3::ZERO; 3];
+        let normals = match smooth {
+            true => order.iter().map(|i| i.map_or(unused, |i| normals[i as usize])).collect(),
+            false => Vec::new(),
+        };
         (accel, normals)
     }
 
@@ -226,9 +230,9 @@ impl Builder<'_> {
         let mut emitters = Vec::new();
         let meshes = self.description.meshes.len();
         let mut triangles = vec![Vec::new(); meshes];
-        for (i, triangle) in accel.triangles().iter().enumerate() {
+        for (id, triangle) in accel.triangles() {
             if self.description.materials[shapes[triangle.shape as usize].material.0 as usize].emits() {
-                triangles[triangle.shape as usize].push(PrimitiveId(i as u32));
+                triangles[triangle.shape as usize].push(id);
             }
         }
         for (shape, (mesh, triangles)) in self.description.meshes.iter().zip(triangles).enumerate() {

@@ -1,24 +1,21 @@
-//! Which surface does a ray meet, and is a segment free: the only place that knows the BVH library.
+//! Which surface does a ray meet, and is a segment free.
 //!
 //! Boxes are single precision and padded so that rays in double precision, whose origin and direction are rounded for
 //! the box tests, cannot slip past them. What lies in the leaves is tested in double precision. There is no epsilon:
 //! a surface that the origin lies on is excluded by its identity.
 
 mod sphere;
+mod tree;
 mod triangle;
 
-use glam::{DVec3, Vec3A};
-use obvhs::BvhBuildParams;
-use obvhs::aabb::Aabb;
-use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::builder::build_bvh2;
-use obvhs::bvh2::node::Bvh2Node;
-use obvhs::fast_stack;
+use glam::DVec3;
 
-use crate::geometry::{Bounds, Ray};
+use crate::geometry::Ray;
 
 pub use sphere::SphereShape;
 pub use triangle::Triangle;
+use tree::Tree;
+use triangle::{Block, LANES, ShearedRay};
 
 /// A triangle or an analytic sphere of the scene: triangles first, in the order of the BVH's leaves, then spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -43,45 +40,52 @@ pub struct Hit {
 /// The primitives of a scene and the hierarchies above them.
 #[derive(Debug)]
 pub struct Accel {
-    triangles: Vec<Triangle>,
+    /// One for each leaf of the triangles' tree. A triangle's id is the number of its lane among all lanes.
+    blocks: Vec<Block>,
+    /// The shapes of the triangles, by id; of unused lanes, none.
+    triangle_shapes: Vec<u32>,
     spheres: Vec<SphereShape>,
+    /// The spheres of each leaf of their tree.
+    sphere_ranges: Vec<std::ops::Range<usize>>,
     triangle_tree: Tree,
     sphere_tree: Tree,
 }
 
-/// A hierarchy over boxes; `bvh` is `None` without any.
-struct Tree {
-    bvh: Option<Bvh2>,
-}
-
-impl std::fmt::Debug for Tree {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        write!(f, "Tree({} nodes)", self.bvh.as_ref().map_or(0, |bvh| bvh.nodes.len()))
-    }
-}
-
 impl Accel {
-    /// Builds the hierarchies and puts the primitives in their order. `radius` bounds the distance of everything that
-    /// rays start from to the origin. The second result maps each new position of a triangle to its old one.
+    /// Builds the hierarchies and gives each primitive its id. `radius` bounds the distance of everything that rays start
+    /// from to the origin. The second result has the old position of each triangle id; `None` where no triangle has it.
     #[must_use]
-    pub fn build(triangles: &[Triangle], spheres: &[SphereShape], radius: f64) -> (Self, Vec<u32>) {
+    pub fn build(triangles: &[Triangle], spheres: &[SphereShape], radius: f64) -> (Self, Vec<Option<u32>>) {
         // Rounding of a ray to f32 moves it by less than 2⁻²² of the scene's size anywhere inside it.
         let pad = radius * f64::powi(2.0, -19);
-        let (triangle_tree, triangle_order) = Tree::build(triangles.iter().map(Triangle::bounds), pad);
-        let (sphere_tree, sphere_order) = Tree::build(spheres.iter().map(SphereShape::bounds), pad);
+        let (triangle_tree, leaves) = Tree::build(triangles.iter().map(Triangle::bounds), pad);
+        let blocks = leaves.iter().map(|leaf| Block::new(leaf.iter().map(|&i| triangles[i as usize]))).collect();
+        let lanes = |leaf: &Vec<u32>| (0..LANES).map(|i| leaf.get(i).copied()).collect::<Vec<_>>();
+        let slots: Vec<Option<u32>> = leaves.iter().flat_map(lanes).collect();
+        let (sphere_tree, sphere_leaves) = Tree::build(spheres.iter().map(SphereShape::bounds), pad);
+        let mut ordered_spheres = Vec::new();
+        let sphere_ranges = (sphere_leaves.iter())
+            .map(|leaf| {
+                let first = ordered_spheres.len();
+                ordered_spheres.extend(leaf.iter().map(|&i| spheres[i as usize]));
+                first..ordered_spheres.len()
+            })
+            .collect();
         let accel = Self {
-            triangles: triangle_order.iter().map(|&i| triangles[i as usize]).collect(),
-            spheres: sphere_order.iter().map(|&i| spheres[i as usize]).collect(),
+            blocks,
+            triangle_shapes: slots.iter().map(|i| i.map_or(u32::MAX, |i| triangles[i as usize].shape)).collect(),
+            spheres: ordered_spheres,
+            sphere_ranges,
             triangle_tree,
             sphere_tree,
         };
-        (accel, triangle_order)
+        (accel, slots)
     }
 
-    /// The triangles in the order of their ids.
-    #[must_use]
-    pub fn triangles(&self) -> &[Triangle] {
-        &self.triangles
+    /// The triangles with their ids.
+    pub fn triangles(&self) -> impl Iterator<Item = (PrimitiveId, Triangle)> + '_ {
+        let ids = (0..self.triangle_shapes.len() as u32).map(PrimitiveId);
+        ids.filter(|id| self.triangle_shapes[id.0 as usize] != u32::MAX).map(|id| (id, self.triangle(id)))
     }
 
     /// The spheres in the order of their ids.
@@ -93,45 +97,48 @@ impl Accel {
     /// The id of a sphere by its position in [`spheres`](Self::spheres).
     #[must_use]
     pub fn sphere_id(&self, index: usize) -> PrimitiveId {
-        PrimitiveId((self.triangles.len() + index) as u32)
+        PrimitiveId((self.triangle_shapes.len() + index) as u32)
     }
 
     /// The sphere with this id, or `None` where it is a triangle's.
     #[must_use]
     #[inline]
     pub fn as_sphere(&self, id: PrimitiveId) -> Option<&SphereShape> {
-        (id.0 as usize).checked_sub(self.triangles.len()).map(|i| &self.spheres[i])
+        (id.0 as usize).checked_sub(self.triangle_shapes.len()).map(|i| &self.spheres[i])
     }
 
     /// The triangle with this id.
     #[must_use]
     #[inline]
-    pub fn triangle(&self, id: PrimitiveId) -> &Triangle {
-        &self.triangles[id.0 as usize]
+    pub fn triangle(&self, id: PrimitiveId) -> Triangle {
+        let slot = id.0 as usize;
+        Triangle { corners: self.blocks[slot / LANES].corners(slot % LANES), shape: self.triangle_shapes[slot] }
     }
 
     /// The nearest primitive in front of a ray that starts on `start`; of several at the same distance, the first.
     #[must_use]
     pub fn closest(&self, ray: &Ray, start: PrimitiveId) -> Option<Hit> {
         let mut best = Hit { t: f64::INFINITY, primitive: PrimitiveId::NONE, barycentric: [0.0; 2] };
-        self.triangle_tree.visit(ray, &mut best.t, |slots, t_max| {
-            for slot in slots {
-                let id = PrimitiveId(slot as u32);
-                if id == start {
-                    continue;
-                }
-                if let Some((t, barycentric)) = self.triangles[slot].intersect(ray)
-                    && (t < *t_max || (t == *t_max && id < best.primitive))
-                {
+        let sheared = ShearedRay::new(ray);
+        self.triangle_tree.visit(ray, &mut best.t, |leaf, t_max| {
+            // One more than the farthest, so that ties are seen.
+            let hits = self.blocks[leaf].intersect(&sheared, t_max.next_up());
+            let mut mask = hits.mask;
+            while mask != 0 {
+                let lane = mask.trailing_zeros() as usize;
+                mask &= mask - 1;
+                let id = PrimitiveId((leaf * LANES + lane) as u32);
+                let t = hits.distance(lane);
+                if id != start && (t < *t_max || (t == *t_max && id < best.primitive)) {
                     *t_max = t;
                     best.primitive = id;
-                    best.barycentric = barycentric;
+                    best.barycentric = hits.hit(lane).1;
                 }
             }
             true
         });
-        self.sphere_tree.visit(ray, &mut best.t, |slots, t_max| {
-            for slot in slots {
+        self.sphere_tree.visit(ray, &mut best.t, |leaf, t_max| {
+            for slot in self.sphere_ranges[leaf].clone() {
                 let id = self.sphere_id(slot);
                 if let Some(t) = self.spheres[slot].intersect(ray, id == start)
                     && t < *t_max
@@ -155,21 +162,22 @@ impl Accel {
         let length = offset.length();
         let ray = Ray::new(from, offset / length);
         let mut free = true;
-        self.triangle_tree.visit(&ray, &mut length.clone(), |slots, t_max| {
-            for slot in slots {
-                let id = PrimitiveId(slot as u32);
-                if id != on_from && id != on_to && self.triangles[slot].intersect(&ray).is_some_and(|(t, _)| t < *t_max) {
-                    free = false;
-                    return false;
+        let sheared = ShearedRay::new(&ray);
+        self.triangle_tree.visit(&ray, &mut length.clone(), |leaf, t_max| {
+            let mut mask = self.blocks[leaf].intersect(&sheared, *t_max).mask;
+            for end in [on_from, on_to] {
+                if let Some(lane) = (end.0 as usize).checked_sub(leaf * LANES).filter(|&lane| lane < LANES) {
+                    mask &= !(1 << lane);
                 }
             }
-            true
+            free = mask == 0;
+            free
         });
         if !free {
             return true;
         }
-        self.sphere_tree.visit(&ray, &mut length.clone(), |slots, _| {
-            for slot in slots {
+        self.sphere_tree.visit(&ray, &mut length.clone(), |leaf, _| {
+            for slot in self.sphere_ranges[leaf].clone() {
                 let id = self.sphere_id(slot);
                 if self.spheres[slot].blocks(&ray, length, id == on_from, id == on_to) {
                     free = false;
@@ -180,53 +188,4 @@ impl Accel {
         });
         !free
     }
-}
-
-impl Tree {
-    /// The tree, and the order of the leaves as indices into the input.
-    fn build(boxes: impl Iterator<Item = Bounds>, pad: f64) -> (Self, Vec<u32>) {
-        let boxes: Vec<Aabb> = boxes.map(|b| padded(b, pad)).collect();
-        if boxes.is_empty() {
-            return (Self { bvh: None }, Vec::new());
-        }
-        let params = BvhBuildParams { pre_split: false, max_prims_per_leaf: 4, ..BvhBuildParams::medium_build() };
-        let mut bvh = build_bvh2(&boxes, params, &mut std::time::Duration::default());
-        let order = std::mem::take(&mut bvh.primitive_indices);
-        (Self { bvh: Some(bvh) }, order)
-    }
-
-    /// Calls `leaf` with the slots of each leaf that the ray may meet before `t_max`, near ones first, until it says no.
-    #[inline]
-    fn visit(&self, ray: &Ray, t_max: &mut f64, mut leaf: impl FnMut(std::ops::Range<usize>, &mut f64) -> bool) {
-        let Some(bvh) = &self.bvh else { return };
-        let single = |v: DVec3| Vec3A::new(v.x as f32, v.y as f32, v.z as f32);
-        let rounded = obvhs::ray::Ray::new(single(ray.origin), single(ray.direction), 0.0, round_up(*t_max));
-        let mut visit_leaf = |node: &Bvh2Node, rounded: &mut obvhs::ray::Ray, _: &mut obvhs::ray::RayHit| {
-            let first = node.first_index as usize;
-            let go_on = leaf(first..first + node.prim_count as usize, t_max);
-            rounded.tmax = round_up(*t_max);
-            go_on
-        };
-        fast_stack!(u32, (96, 192), bvh.max_depth, stack, {
-            bvh.ray_traverse_dynamic(&mut stack, rounded, &mut obvhs::ray::RayHit::none(), &mut visit_leaf);
-        });
-    }
-}
-
-/// A single-precision distance that is no nearer, even after the box test's own rounding.
-#[inline]
-fn round_up(t: f64) -> f32 {
-    t as f32 * (1.0 + 4.0 * f32::EPSILON) + f32::MIN_POSITIVE
-}
-
-/// The box, larger by `pad` on every side and rounded outwards.
-fn padded(bounds: Bounds, pad: f64) -> Aabb {
-    let pad = DVec3::splat(pad);
-    let (min, max) = (bounds.min - pad, bounds.max + pad);
-    let down = |x: f64| (x as f32).next_down();
-    let up = |x: f64| (x as f32).next_up();
-    Aabb::new(
-        Vec3A::new(down(min.x), down(min.y), down(min.z)),
-        Vec3A::new(up(max.x), up(max.y), up(max.z)),
-    )
 }

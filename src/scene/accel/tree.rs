@@ -1,0 +1,219 @@
+//! A hierarchy of boxes, eight to a node.
+//!
+//! The library builds a binary tree; here it is flattened to nodes of eight boxes, which one pass of SIMD tests together.
+//! With leaves of eight triangles that took a third of the time of the library's own traversal (see
+//! `tests/benches/README.md`).
+
+use glam::{DVec3, Vec3A};
+use obvhs::BvhBuildParams;
+use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::builder::build_bvh2;
+use smallvec::SmallVec;
+use wide::f32x8;
+
+use crate::geometry::{Bounds, Ray};
+
+/// Boxes in a node, and primitives in a leaf.
+pub(super) const WIDTH: usize = 8;
+
+/// The hierarchy; without nodes it holds nothing.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Tree {
+    nodes: Vec<Node>,
+}
+
+/// Eight boxes, axis by axis. Unused ones are inside out, which no ray meets.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(32))]
+struct Node {
+    /// `bounds[0]` are the smaller, `bounds[1]` the larger coordinates.
+    bounds: [[[f32; WIDTH]; 3]; 2],
+    children: [Child; WIDTH],
+}
+
+/// The number of a node, or, with the highest bit set, of a leaf.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Child(u32);
+
+const LEAF: u32 = 1 << 31;
+
+impl Child {
+    fn leaf(self) -> Option<usize> {
+        (self.0 & LEAF != 0).then_some((self.0 & !LEAF) as usize)
+    }
+}
+
+impl Tree {
+    /// The tree over boxes made larger by `pad`, and its leaves: each the indices of up to eight boxes.
+    pub fn build(boxes: impl Iterator<Item = Bounds>, pad: f64) -> (Self, Vec<Vec<u32>>) {
+        let boxes: Vec<Aabb> = boxes.map(|b| padded(b, pad)).collect();
+        if boxes.is_empty() {
+            return (Self::default(), Vec::new());
+        }
+        let params = BvhBuildParams {
+            pre_split: false,
+            max_prims_per_leaf: WIDTH as u32,
+            ..BvhBuildParams::medium_build()
+        };
+        let bvh = build_bvh2(&boxes, params, &mut std::time::Duration::default());
+        let mut flattening = Flattening { bvh: &bvh, tree: Self::default(), leaves: Vec::new() };
+        flattening.run();
+        (flattening.tree, flattening.leaves)
+    }
+
+    /// Calls `leaf` with each leaf that the ray may meet before `t_max`, near ones first, until it says no.
+    #[inline]
+    pub fn visit(&self, ray: &Ray, t_max: &mut f64, mut leaf: impl FnMut(usize, &mut f64) -> bool) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        let ray = BoxRay::new(ray);
+        let mut limit = round_up(*t_max);
+        let mut stack: SmallVec<[(f32, Child); 64]> = SmallVec::new();
+        let mut current = Child(0);
+        loop {
+            if let Some(number) = current.leaf() {
+                if !leaf(number, t_max) {
+                    return;
+                }
+                limit = round_up(*t_max);
+            } else {
+                let node = &self.nodes[current.0 as usize];
+                let (near, mut mask) = node.intersect(&ray, limit);
+                let first = stack.len();
+                while mask != 0 {
+                    let lane = mask.trailing_zeros() as usize;
+                    mask &= mask - 1;
+                    stack.push((near[lane], node.children[lane]));
+                    // The nearest stays on top.
+                    let mut at = stack.len() - 1;
+                    while at > first && stack[at - 1].0 < stack[at].0 {
+                        stack.swap(at - 1, at);
+                        at -= 1;
+                    }
+                }
+            }
+            loop {
+                let Some((near, child)) = stack.pop() else { return };
+                if near <= limit {
+                    current = child;
+                    break;
+                }
+            }
+        }
+    }
+}
+
+impl Node {
+    const EMPTY: Self = Self {
+        bounds: [[[f32::INFINITY; WIDTH]; 3], [[f32::NEG_INFINITY; WIDTH]; 3]],
+        children: [Child(0); WIDTH],
+    };
+
+    /// Where the ray enters each box, and a bit for each that it meets up to `limit`.
+    #[inline]
+    fn intersect(&self, ray: &BoxRay, limit: f32) -> ([f32; WIDTH], u32) {
+        let (mut near, mut far) = (f32x8::ZERO, f32x8::splat(limit));
+        for axis in 0..3 {
+            let (origin, inverse) = (f32x8::splat(ray.origin[axis]), f32x8::splat(ray.inverse[axis]));
+            let bound = |side: usize| (f32x8::new(self.bounds[side][axis]) - origin) * inverse;
+            near = near.fast_max(bound(ray.near_side[axis]));
+            far = far.fast_min(bound(1 - ray.near_side[axis]));
+        }
+        (near.to_array(), near.simd_le(far).to_bitmask())
+    }
+}
+
+/// A ray in single precision, prepared for boxes.
+struct BoxRay {
+    origin: [f32; 3],
+    inverse: [f32; 3],
+    /// Which side of a box the ray meets first, for each axis.
+    near_side: [usize; 3],
+}
+
+impl BoxRay {
+    fn new(ray: &Ray) -> Self {
+        // A component of zero must not become an infinity, whose product with zero is NaN. The boxes' padding is wide
+        // enough for the difference.
+        let inverse = |d: f64| (1.0 / if d.abs() < 1e-12 { 1e-12_f64.copysign(d) } else { d }) as f32;
+        Self {
+            origin: ray.origin.as_vec3().to_array(),
+            inverse: ray.direction.to_array().map(inverse),
+            near_side: ray.direction.to_array().map(|d| usize::from(d.is_sign_negative())),
+        }
+    }
+}
+
+/// A binary tree on its way to nodes of eight.
+struct Flattening<'a> {
+    bvh: &'a Bvh2,
+    tree: Tree,
+    leaves: Vec<Vec<u32>>,
+}
+
+impl Flattening<'_> {
+    fn run(&mut self) {
+        let mut open = vec![(0_usize, self.new_node())];
+        while let Some((binary, node)) = open.pop() {
+            for (lane, part) in self.parts(binary).into_iter().enumerate() {
+                let source = &self.bvh.nodes[part];
+                let child = if source.is_leaf() {
+                    let first = source.first_index as usize;
+                    let members = &self.bvh.primitive_indices[first..first + source.prim_count as usize];
+                    self.leaves.push(members.to_vec());
+                    Child(LEAF | (self.leaves.len() - 1) as u32)
+                } else {
+                    let number = self.new_node();
+                    open.push((part, number));
+                    Child(number as u32)
+                };
+                let target = &mut self.tree.nodes[node];
+                target.children[lane] = child;
+                for axis in 0..3 {
+                    target.bounds[0][axis][lane] = source.aabb().min[axis];
+                    target.bounds[1][axis][lane] = source.aabb().max[axis];
+                }
+            }
+        }
+    }
+
+    fn new_node(&mut self) -> usize {
+        self.tree.nodes.push(Node::EMPTY);
+        self.tree.nodes.len() - 1
+    }
+
+    /// Up to eight descendants that together hold what a node holds: the largest are opened first.
+    fn parts(&self, binary: usize) -> Vec<usize> {
+        let nodes = &self.bvh.nodes;
+        let mut parts = vec![binary];
+        while parts.len() < WIDTH {
+            let inner = (0..parts.len()).filter(|&i| !nodes[parts[i]].is_leaf());
+            let area = |i: &usize| nodes[parts[*i]].aabb().half_area();
+            let Some(largest) = inner.max_by(|a, b| area(a).total_cmp(&area(b))) else { break };
+            let first = nodes[parts[largest]].first_index as usize;
+            parts[largest] = first;
+            parts.push(first + 1);
+        }
+        parts
+    }
+}
+
+/// A single-precision distance that is no nearer, even after the box test's own rounding.
+#[inline]
+fn round_up(t: f64) -> f32 {
+    t as f32 * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE
+}
+
+/// The box, larger by `pad` on every side and rounded outwards.
+fn padded(bounds: Bounds, pad: f64) -> Aabb {
+    let pad = DVec3::splat(pad);
+    let (min, max) = (bounds.min - pad, bounds.max + pad);
+    let down = |x: f64| (x as f32).next_down();
+    let up = |x: f64| (x as f32).next_up();
+    Aabb::new(
+        Vec3A::new(down(min.x), down(min.y), down(min.z)),
+        Vec3A::new(up(max.x), up(max.y), up(max.z)),
+    )
+}
