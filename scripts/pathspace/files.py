@@ -10,7 +10,7 @@ from typing import Any, BinaryIO
 import numpy as np
 
 
-def write_atomically(path: Path, write: Callable[[BinaryIO], None]) -> None:
+def write_atomically(path: Path, write: Callable[[BinaryIO], object]) -> None:
     """Let `write` fill a temporary file beside `path`, then rename it to `path`."""
     descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.")
     temporary = Path(name)
@@ -32,4 +32,4 @@ def write_array(path: Path, array: np.ndarray) -> None:
 def write_json(path: Path, value: Any) -> None:  # noqa: ANN401
     """Write JSON, indented. Numbers that JSON cannot say (NaN, infinity) are an error."""
     text = json.dumps(value, indent=2, allow_nan=False) + "\n"
-    write_atomically(path, lambda file: file.write(text.encode()) and None)
+    write_atomically(path, lambda file: file.write(text.encode()))

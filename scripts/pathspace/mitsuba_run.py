@@ -11,11 +11,13 @@ huge value turns it off. `--variant auto` takes `llvm_ad_rgb` where an LLVM libr
 `scalar_rgb`.
 
 The run is a ladder of passes of M samples per pixel (`ptracer`: light paths per pixel), each with
-a seed of its own derived from S. Without `--pass-spp`, M is calibrated so that a pass is short
-against the first checkpoint. What is measured is rendering until the image is in memory:
-wall-clock time, and CPU time of all threads. Loading, just-in-time compilation, calibration and
-file output are not in it. With `--seconds`, passes are started until the measured time reaches T;
-with `--spp`, exactly N samples are taken.
+a seed of its own derived from S. Without `--pass-spp`, M is calibrated: a power of two whose pass
+takes at most about the time of the first checkpoint, and from 0.05 to 0.5 s where that can be.
+Shorter passes put the LLVM variants at a disadvantage (5 % at 0.2 s), longer ones make checkpoints
+late. What is measured is rendering until the image is in memory: wall-clock time, and CPU time of
+all threads. Loading, just-in-time compilation, calibration and file output are not in it. With
+`--seconds`, passes are started until the measured time reaches T; with `--spp`, exactly N samples
+are taken.
 
 Files in DIR, each written whole or not at all:
 
@@ -65,8 +67,11 @@ from .files import write_array, write_json
 from .ladder import Image, Ladder, Render, calibrate, pass_sizes, timed
 from .seeds import PassSeeds
 
-SHORTEST_PASS, LONGEST_PASS = 0.05, 0.25
-"""Limits of the time of a calibrated pass [s]: overhead below, coarse checkpoints above."""
+SHORTEST_PASS, LONGEST_PASS = 0.05, 0.5
+"""Limits of the time of a calibrated pass [s]: overhead below, coarse checkpoints above.
+
+The LLVM variants spend about 10 ms of each pass on tracing the program that they then run.
+"""
 PROGRESS_EVERY = 0.3
 """Time between lines of progress [s]."""
 
@@ -186,7 +191,7 @@ def run(options: argparse.Namespace, interrupt: Interrupt) -> int:
     interrupt.check()
 
     start = time.perf_counter()
-    pass_spp, setup_seconds = warm_up(loaded.render, options, interrupt)
+    pass_spp, setup_seconds = warm_up(loaded.render, variant, options, interrupt)
     warmup_seconds = time.perf_counter() - start
 
     seeds = PassSeeds(options.seed, *loaded.size)
@@ -280,11 +285,11 @@ def load(options: argparse.Namespace, variant: str) -> Loaded:
     dr.set_thread_count(options.threads)
     imported = time.perf_counter()
 
-    scene = mi.load_file(str(options.scene))
+    scene: Any = mi.load_file(str(options.scene))
     dr.sync_thread()
     loaded = time.perf_counter()
 
-    integrator = mi.load_dict(
+    integrator: Any = mi.load_dict(
         {
             "type": options.integrator,
             "max_depth": options.max_length,
@@ -305,11 +310,14 @@ def load(options: argparse.Namespace, variant: str) -> Loaded:
     )
 
 
-def warm_up(render: Render, options: argparse.Namespace, interrupt: Interrupt) -> tuple[int, float]:
+def warm_up(
+    render: Render, variant: str, options: argparse.Namespace, interrupt: Interrupt
+) -> tuple[int, float]:
     """Compile, and find the size of a pass; return it with the time of compilation [s]."""
     if options.pass_spp is None:
-        first = options.checkpoints[0] if options.checkpoints else options.seconds or 1.0
-        found = calibrate(render, min(max(first / 2, SHORTEST_PASS), LONGEST_PASS))
+        end = options.seconds or math.inf
+        first = options.checkpoints[0] if options.checkpoints else end / 10
+        found = calibrate(render, min(max(first, SHORTEST_PASS), LONGEST_PASS))
         pass_spp, pass_seconds, setup_seconds = found.spp, found.seconds, found.setup_seconds
     else:
         pass_spp = options.pass_spp
@@ -326,15 +334,8 @@ def warm_up(render: Render, options: argparse.Namespace, interrupt: Interrupt) -
             pass_seconds = timed(render, 1, spp).seconds
             setup_seconds = max(setup_seconds, first_seconds - pass_seconds)
     interrupt.check()
-    tell(variant=variant_name(), pass_spp=pass_spp, pass_seconds=pass_seconds)
+    tell(variant=variant, pass_spp=pass_spp, pass_seconds=pass_seconds)
     return pass_spp, setup_seconds
-
-
-def variant_name() -> str:
-    """The variant that Mitsuba runs as."""
-    import mitsuba as mi
-
-    return mi.variant()
 
 
 def write_checkpoint(folder: Path, ladder: Ladder, index: int) -> dict[str, Any]:

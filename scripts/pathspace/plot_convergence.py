@@ -23,6 +23,7 @@ matplotlib.use("Agg")
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -217,13 +218,10 @@ def draw(rows: list[Row], metrics: list[str], files: list[Path]) -> None:
     scenes, methods = unique(row.scene for row in rows), unique(row.method for row in rows)
     if not scenes:
         raise PlotError("there are no rows to draw")
-    if len(scenes) == 1:
-        panels = [(scenes[0], metric) for metric in metrics]
-        columns = len(panels)
-    else:
-        columns = min(COLUMNS, len(scenes))
-        padding: list[str | None] = [None] * (-len(scenes) % columns)
-        panels = [(scene, metric) for metric in metrics for scene in scenes + padding]
+    columns = len(metrics) if len(scenes) == 1 else min(COLUMNS, len(scenes))
+    padding = 0 if len(scenes) == 1 else -len(scenes) % columns
+    padded: list[str | None] = [*scenes, *[None] * padding]
+    panels = [(scene, metric) for metric in metrics for scene in padded]
     count = -(-len(panels) // columns)
     figure, grid = plt.subplots(
         count,
@@ -232,7 +230,7 @@ def draw(rows: list[Row], metrics: list[str], files: list[Path]) -> None:
         squeeze=False,
         layout="constrained",
     )
-    handles: dict[str, object] = {}
+    handles: dict[str, Artist] = {}
     for axes, (scene, metric) in zip(grid.flat, panels, strict=True):
         if scene is None:
             axes.set_axis_off()
@@ -242,8 +240,8 @@ def draw(rows: list[Row], metrics: list[str], files: list[Path]) -> None:
             handles.setdefault(label, handle)
     legend_rows = -(-len(handles) // (2 * columns))
     figure.legend(
-        handles.values(),
-        handles.keys(),
+        list(handles.values()),
+        list(handles),
         loc="outside lower center",
         ncols=-(-len(handles) // max(legend_rows, 1)) or 1,
         frameon=False,

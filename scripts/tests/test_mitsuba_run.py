@@ -119,8 +119,9 @@ def test_checkpoints_come_at_their_times(tmp_path: Path) -> None:
     assert lines[0]["pass_spp"] == found["pass_spp"]
 
 
-def test_one_thread_uses_one(tmp_path: Path) -> None:
-    options = "--integrator path --variant scalar_rgb --threads 1 --seconds 0.5"
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_one_thread_uses_one(tmp_path: Path, variant: str) -> None:
+    options = f"--integrator path --variant {variant} --threads 1 --seconds 0.5"
     assert run(tmp_path, *options.split())[0] == 0
     found = result(tmp_path)
     assert found["cpu_seconds"] < 1.1 * found["render_seconds"]

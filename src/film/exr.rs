@@ -3,7 +3,7 @@
 //! One part holds all channels. The image itself is `R`, `G`, `B`; a further layer is `name.R`, `name.G`, `name.B`, the
 //! convention by which viewers group channels. Metadata are attributes of the header: `software`, `comments`, and
 //! `scene`, `integrator`, `settings` (JSON), `seed`, `samplesPerPixel` (both as text: they may exceed 32 bits),
-//! `renderSeconds`, `version`.
+//! `renderSeconds`, `pathspaceVersion`.
 
 use std::io;
 use std::path::Path;
@@ -97,7 +97,7 @@ fn attributes(info: &RenderInfo, spp: u64) -> LayerAttributes {
         ("settings", info.settings.to_string()),
         ("seed", info.seed.to_string()),
         ("samplesPerPixel", spp.to_string()),
-        ("version", info.version.clone()),
+        ("pathspaceVersion", info.version.clone()),
     ];
     for (name, value) in entries {
         attributes.other.insert(text(name), AttributeValue::Text(text(&value)));

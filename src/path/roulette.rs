@@ -31,9 +31,19 @@ impl Roulette {
     #[inline]
     pub fn survival(&self, edges: u32, local: Rgb, throughput: Rgb) -> f64 {
         match *self {
-            Self::Local { start } if edges >= start => local.max_component().min(1.0),
-            Self::Throughput { start } if edges >= start => throughput.max_component().min(0.95),
+            Self::Local { .. } if self.applies(edges) => local.max_component().min(1.0),
+            Self::Throughput { .. } if self.applies(edges) => throughput.max_component().min(0.95),
             _ => 1.0,
+        }
+    }
+
+    /// A decision is made at a vertex that `edges` edges lead to.
+    #[must_use]
+    #[inline]
+    pub fn applies(&self, edges: u32) -> bool {
+        match *self {
+            Self::Off => false,
+            Self::Local { start } | Self::Throughput { start } => edges >= start,
         }
     }
 

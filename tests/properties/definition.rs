@@ -5,6 +5,7 @@ use pathspace::path::{Roulette, Technique, WalkRules};
 use pathspace::scene::description::{FilmSize, SceneDescription};
 use pathspace::testing::definition::Definition;
 use pathspace::testing::scenes;
+use pathspace_bdpt::Bidirectional;
 use pathspace_light::LightTracer;
 use pathspace_path::PathTracer;
 use pathspace_path_bsdf::BsdfPathTracer;
@@ -76,5 +77,15 @@ fn path_bsdf_equals_the_definition() {
         let e = BsdfPathTracer::new(&mut settings("max_length=6")).expect("valid");
         let heuristic = pathspace::estimator::Heuristic::Balance;
         check(&scene, &e, rules(e.roulette), heuristic, |technique| technique.s == 0);
+    }
+}
+
+#[test]
+fn bdpt_equals_the_definition() {
+    for scene in all_scenes() {
+        for text in SETTINGS.iter().filter(|text| !text.contains("throughput")) {
+            let e = Bidirectional::new(&mut settings(text)).expect("valid");
+            check(&scene, &e, rules(e.roulette), e.heuristic, |_| true);
+        }
     }
 }

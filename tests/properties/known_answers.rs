@@ -6,6 +6,7 @@ use pathspace::scene::Scene;
 use pathspace::scene::description::FilmSize;
 use pathspace::spectrum::Rgb;
 use pathspace::testing::scenes;
+use pathspace_bdpt::Bidirectional;
 use pathspace_light::LightTracer;
 use pathspace_path::PathTracer;
 use pathspace_path_bsdf::BsdfPathTracer;
@@ -50,6 +51,7 @@ fn the_enclosure_is_met() {
         let settings = || Settings::parse(text).expect("well formed");
         check("path", &PathTracer::new(&mut settings()).expect("valid"), max_length, 400);
         check("path_bsdf", &BsdfPathTracer::new(&mut settings()).expect("valid"), max_length, 400);
+        check("bdpt", &Bidirectional::new(&mut settings()).expect("valid"), max_length, 400);
         check("light", &LightTracer::new(&mut settings()).expect("valid"), max_length, 4000);
     }
 }
