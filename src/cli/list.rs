@@ -12,13 +12,13 @@ use super::Outcome;
 #[derive(Debug, Args)]
 pub(super) struct ListArgs {}
 
-/// The columns that `compare` writes about errors.
+/// Columns that `compare` writes; the formulas are those of [`crate::report`].
 const METRICS: [(&str, &str); 5] = [
-    ("mse", "mean squared error over pixels and channels"),
+    ("mse", "mean squared error"),
     ("rmse", "its square root, in the unit of the image"),
-    ("relmse", "mean of squared error over squared reference: bright and dark pixels count alike"),
-    ("smape", "mean of 2 |a − b| / (|a| + |b|), from 0 to 2: fireflies count little"),
-    ("mean_ratio", "mean of the image over mean of the reference: 1 where nothing is lost"),
+    ("relmse", "mean of (x − r)² / (r² + 0.01): bright and dark pixels count alike"),
+    ("smape", "mean of |x − r| / (|x| + |r|), 0 to 1: fireflies count little"),
+    ("mean_ratio", "mean of the image over that of the reference: 1 where energy is right"),
 ];
 
 pub(super) fn run(registry: &Registry) -> anyhow::Result<Outcome> {

@@ -83,7 +83,13 @@ pub(crate) fn mean_luminance(film: &Film) -> (f64, Option<f64>) {
 /// `0.012` as `1.2 %`.
 pub(crate) fn percent(share: f64) -> String {
     let percent = 100.0 * share;
-    let digits = if percent >= 10.0 { 0 } else if percent >= 1.0 { 1 } else { 3 };
+    let digits = if percent >= 10.0 {
+        0
+    } else if percent >= 1.0 {
+        1
+    } else {
+        3
+    };
     format!("{percent:.digits$} %")
 }
 

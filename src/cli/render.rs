@@ -239,7 +239,8 @@ fn make_method(
     let method = registry.build(&text, &[("max_length", length.clone())])?;
     let applies = method.settings.get("max_length").filter(|applies| args.max_length.is_some() && **applies != length);
     if let Some(applies) = applies {
-        let given = format!("--max-length {length} contradicts max_length={applies} of the integrator; give one of them");
+        let given =
+            format!("--max-length {length} contradicts max_length={applies} of the integrator; give one of them");
         bail!(UsageError(given));
     }
     Ok(method)
@@ -248,8 +249,8 @@ fn make_method(
 /// Checked before the first pass: nobody wants to learn afterwards that the image has no place.
 fn outputs(args: &RenderArgs) -> anyhow::Result<Option<Outputs>> {
     let Some(image) = args.output.clone() else { return Ok(None) };
-    OutputFormat::from_path(&image)?;
     check_writable(&image)?;
+    OutputFormat::from_path(&image)?;
     let asked = args.state.clone().or_else(|| args.resume.clone());
     let keep_state = asked.is_some() || args.checkpoints;
     let state = asked.unwrap_or_else(|| image.with_extension("film"));

@@ -15,7 +15,10 @@ pub(super) fn run(scene: &Scene, method: &Method, key: ReplayKey) -> anyhow::Res
     let (size, (x, y)) = (scene.sensor().film(), key.pixel);
     if x >= size.width || y >= size.height {
         let Some(right) = size.width.checked_sub(1).zip(size.height.checked_sub(1)) else { return Ok(Outcome::Done) };
-        bail!(UsageError(format!("--replay {key}: pixel {x},{y} is outside the film, which ends at {},{}", right.0, right.1)));
+        bail!(UsageError(format!(
+            "--replay {key}: pixel {x},{y} is outside the film, which ends at {},{}",
+            right.0, right.1
+        )));
     }
     let terms = method.integrator.replay(scene, key);
     let mut out = io::stdout().lock();

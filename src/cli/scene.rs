@@ -66,7 +66,10 @@ fn find(word: &Path) -> anyhow::Result<PathBuf> {
         return in_folder(&named);
     }
     if !word.exists() && is_name && word.extension().is_none() {
-        let names: Vec<String> = fs::read_dir("scenes").into_iter().flatten().flatten()
+        let names: Vec<String> = fs::read_dir("scenes")
+            .into_iter()
+            .flatten()
+            .flatten()
             .filter(|entry| entry.path().is_dir())
             .map(|entry| entry.file_name().to_string_lossy().into_owned())
             .collect();
