@@ -158,8 +158,7 @@ impl Accel {
         self.triangle_tree.visit(&ray, &mut length.clone(), |slots, t_max| {
             for slot in slots {
                 let id = PrimitiveId(slot as u32);
-                if id != on_from && id != on_to && self.triangles[slot].intersect(&ray).is_some_and(|(t, _)| t < *t_max)
-                {
+                if id != on_from && id != on_to && self.triangles[slot].intersect(&ray).is_some_and(|(t, _)| t < *t_max) {
                     free = false;
                     return false;
                 }
@@ -226,5 +225,8 @@ fn padded(bounds: Bounds, pad: f64) -> Aabb {
     let (min, max) = (bounds.min - pad, bounds.max + pad);
     let down = |x: f64| (x as f32).next_down();
     let up = |x: f64| (x as f32).next_up();
-    Aabb::new(Vec3A::new(down(min.x), down(min.y), down(min.z)), Vec3A::new(up(max.x), up(max.y), up(max.z)))
+    Aabb::new(
+        Vec3A::new(down(min.x), down(min.y), down(min.z)),
+        Vec3A::new(up(max.x), up(max.y), up(max.z)),
+    )
 }
