@@ -1,5 +1,6 @@
 //! A path-space framework for research on light transport.
 
+pub mod cli;
 pub mod estimator;
 pub mod film;
 pub mod geometry;

@@ -1,5 +1,9 @@
 //! Where an integrator puts what it finds.
 
+use std::fmt::{self, Display, Formatter};
+
+use glam::DVec3;
+
 use crate::path::{Path, Technique};
 use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
@@ -35,13 +39,33 @@ pub struct RecordedTerm {
     pub path: Path,
 }
 
-impl std::fmt::Display for RecordedTerm {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Term { pixel, value, technique, weight } = self.term;
+impl RecordedTerm {
+    /// For people, with positions in world coordinates; `centre` is the scene's.
+    #[must_use]
+    pub fn in_world(&self, centre: DVec3) -> impl Display {
+        InWorld { recorded: self.clone(), centre }
+    }
+}
+
+impl Display for RecordedTerm {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        self.in_world(DVec3::ZERO).fmt(f)
+    }
+}
+
+struct InWorld {
+    recorded: RecordedTerm,
+    centre: DVec3,
+}
+
+impl Display for InWorld {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let RecordedTerm { term: Term { pixel, value, technique, weight }, path } = &self.recorded;
         let [r, g, b] = value.to_array();
-        writeln!(f, "{} by {technique}: pixel {},{}, weight {weight}, value {r} {g} {b}", self.path.notation(), pixel.x, pixel.y)?;
-        for (i, vertex) in self.path.vertices().iter().enumerate() {
-            let [x, y, z] = vertex.position.to_array();
+        let notation = path.notation();
+        writeln!(f, "{notation} by {technique}: pixel {},{}, weight {weight}, value {r} {g} {b}", pixel.x, pixel.y)?;
+        for (i, vertex) in path.vertices().iter().enumerate() {
+            let [x, y, z] = (vertex.position + self.centre).to_array();
             writeln!(f, "  x_{i} {:<9} {x} {y} {z}", vertex.kind.name())?;
         }
         Ok(())

@@ -84,7 +84,7 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn build(mut self) -> Result<(Scene, Vec<String>), BuildError> {
         let materials = self.description.materials.iter().map(|m| self.material(m)).collect::<Result<Vec<_>, _>>()?;
-        let geometry = self.bounds();
+        let geometry = bounds(self.description);
         let camera = self.camera(geometry)?;
         let film = self.film(&camera)?;
         let everything = self.everything(geometry, &camera);
@@ -132,15 +132,6 @@ impl Builder<'_> {
         Ok(SurfaceMaterial { bsdf, two_sided: material.two_sided && !transmits, transmits })
     }
 
-    fn bounds(&self) -> Bounds {
-        let meshes = self.description.meshes.iter().flat_map(|m| m.triangles.iter().flatten().map(|&i| m.positions[i as usize]));
-        let spheres = self.description.spheres.iter().fold(Bounds::EMPTY, |b, s| {
-            let r = DVec3::splat(s.radius);
-            b.union(Bounds { min: s.centre - r, max: s.centre + r })
-        });
-        Bounds::around(meshes).union(spheres)
-    }
-
     /// Everything that rays start from or end at, at finite distance.
     fn everything(&self, geometry: Bounds, camera: &SensorDescription) -> Bounds {
         let lights = self.description.lights.iter().filter_map(|light| match light.kind {
@@ -161,11 +152,9 @@ impl Builder<'_> {
         if let Some(camera) = &self.description.sensor {
             return Ok(camera.clone());
         }
-        if geometry.is_empty() {
-            return Err(BuildError::NoCamera(self.description.source.clone()));
-        }
+        let camera = framing_camera(geometry).ok_or_else(|| BuildError::NoCamera(self.description.source.clone()))?;
         self.notes.push("no camera in the file: one that frames the whole scene is used".into());
-        Ok(framing_camera(geometry))
+        Ok(camera)
     }
 
     fn film(&self, camera: &SensorDescription) -> Result<FilmSize, BuildError> {
@@ -294,18 +283,41 @@ impl Builder<'_> {
     }
 }
 
-/// A camera that sees all of the box, from the front and a little above.
-fn framing_camera(geometry: Bounds) -> SensorDescription {
+impl SceneDescription {
+    /// The camera that [`Scene::build`] uses for a file without one: it sees all surfaces, from the front and a little
+    /// above. `None` where there are none.
+    #[must_use]
+    pub fn framing_camera(&self) -> Option<SensorDescription> {
+        framing_camera(bounds(self))
+    }
+}
+
+fn bounds(description: &SceneDescription) -> Bounds {
+    let meshes = description
+        .meshes
+        .iter()
+        .map(|m| Bounds::around(m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
+    let spheres = description.spheres.iter().map(|s| {
+        let r = DVec3::splat(s.radius);
+        Bounds { min: s.centre - r, max: s.centre + r }
+    });
+    meshes.chain(spheres).fold(Bounds::EMPTY, Bounds::union)
+}
+
+fn framing_camera(geometry: Bounds) -> Option<SensorDescription> {
+    if geometry.is_empty() {
+        return None;
+    }
     let vertical_fov = 40.0_f64.to_radians();
     let backward = DVec3::new(0.4, 0.3, 1.0).normalize();
     let radius = if geometry.radius() > 0.0 { geometry.radius() } else { 1.0 };
     let distance = radius / libm::sin(0.5 * vertical_fov);
     let right = DVec3::Y.cross(backward).normalize();
-    SensorDescription {
+    Some(SensorDescription {
         name: "framing camera".into(),
         position: geometry.centre() + backward * distance,
         forward: -backward,
         up: backward.cross(right),
         projection: Projection::Perspective { vertical_fov, aspect: None, lens: None },
-    }
+    })
 }

@@ -1,3 +1,5 @@
 //! The command `pathspace` with the built-in integrators.
 
-fn main() {}
+fn main() -> std::process::ExitCode {
+    pathspace::cli::main(&pathspace_builtin::registry())
+}

@@ -1,0 +1,10 @@
+//! The command as its users meet it: a process with files, exit codes and two streams.
+
+#![allow(clippy::unwrap_used, reason = "helpers of tests")]
+
+mod bad_input;
+mod interruption;
+mod output;
+mod reproducibility;
+mod sample_files;
+mod support;

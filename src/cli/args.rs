@@ -1,0 +1,62 @@
+//! Options that several commands share, and how their values are written.
+
+use clap::Args;
+
+use crate::scene::description::FilmSize;
+
+/// How to take a scene.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct SceneArgs {
+    /// Image size in pixels [default: the scene's]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = film_size)]
+    pub film: Option<FilmSize>,
+
+    /// Camera by name, by its node's name, or by number from 0 [default: the file's first; one that frames the scene if
+    /// there is none]
+    #[arg(long, value_name = "NAME")]
+    pub camera: Option<String>,
+}
+
+/// The longest path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct MaxLength(pub Option<u32>);
+
+impl MaxLength {
+    /// As the setting `max_length` is written.
+    pub(crate) fn setting(self) -> String {
+        self.0.map_or_else(|| "none".to_owned(), |edges| edges.to_string())
+    }
+}
+
+/// A whole number of edges from 1 on, or `none`.
+pub(crate) fn max_length(text: &str) -> Result<MaxLength, String> {
+    match text {
+        "none" => Ok(MaxLength(None)),
+        _ => match text.parse() {
+            Ok(edges @ 1..) => Ok(MaxLength(Some(edges))),
+            _ => Err("expected a whole number of edges from 1 on, or none for unlimited".into()),
+        },
+    }
+}
+
+/// `WIDTHxHEIGHT`. Zero is left to the scene to refuse, which knows the largest size too.
+pub(crate) fn film_size(text: &str) -> Result<FilmSize, String> {
+    let parse = || {
+        let (width, height) = text.split_once(['x', 'X', '×'])?;
+        Some(FilmSize { width: width.trim().parse().ok()?, height: height.trim().parse().ok()? })
+    };
+    parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, for example 640x480".into())
+}
+
+/// A time above zero \[s\].
+pub(crate) fn seconds(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(seconds) if seconds > 0.0 && seconds < 1e9 => Ok(seconds),
+        _ => Err("expected a time in seconds above 0, for example 10 or 0.5".into()),
+    }
+}
+
+/// A finite number.
+pub(crate) fn finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number".into())
+}

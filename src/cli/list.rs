@@ -1,0 +1,44 @@
+//! `list`: what can be asked for by name.
+
+use std::io::{self, Write};
+
+use clap::Args;
+
+use crate::estimator::{Heuristic, Registry};
+
+use super::Outcome;
+
+/// Show integrators, heuristics and error metrics, one line each
+#[derive(Debug, Args)]
+pub(super) struct ListArgs {}
+
+/// Columns that `compare` writes; the formulas are those of [`crate::report`].
+const METRICS: [(&str, &str); 5] = [
+    ("mse", "mean squared error"),
+    ("rmse", "its square root, in the unit of the image"),
+    ("relmse", "mean of (x − r)² / (r² + 0.01): bright and dark pixels count alike"),
+    ("smape", "mean of |x − r| / (|x| + |r|), 0 to 1: fireflies count little"),
+    ("mean_ratio", "mean of the image over that of the reference: 1 where energy is right"),
+];
+
+pub(super) fn run(registry: &Registry) -> anyhow::Result<Outcome> {
+    let integrators: Vec<_> = registry.entries().iter().map(|entry| (entry.name, entry.summary)).collect();
+    let sections: [(&str, &[(&str, &str)]); 3] = [
+        ("integrators (--integrator NAME:setting=value…)", &integrators),
+        ("heuristics (setting heuristic=NAME)", &Heuristic::NAMES),
+        ("metrics (columns of compare)", &METRICS),
+    ];
+    let width = sections.iter().flat_map(|(_, rows)| rows.iter()).map(|(name, _)| name.len()).max().unwrap_or(0);
+    let mut out = io::stdout().lock();
+    for (i, (title, rows)) in sections.iter().enumerate() {
+        if i > 0 {
+            writeln!(out)?;
+        }
+        writeln!(out, "{title}")?;
+        for (name, summary) in *rows {
+            writeln!(out, "  {name:width$}  {summary}")?;
+        }
+    }
+    out.flush()?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,92 @@
+//! The command line. A program of one's own is a registry and a call of [`main`].
+
+mod args;
+mod export;
+mod interrupt;
+mod list;
+mod progress;
+mod render;
+mod replay;
+mod scene;
+mod session;
+
+use std::io::{self, Write};
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+use thiserror::Error;
+
+use crate::estimator::{Registry, RegistryError};
+
+const AFTER_HELP: &str = "\
+Exit codes:
+  0    done (values that cannot be right are counted and told on stderr, and do not change the code)
+  1    a scene, film or file cannot be used: one line `error: FILE: place: what; remedy` on stderr
+  2    the command line makes no sense: unknown option, integrator or setting
+  130  interrupted by Ctrl-C or SIGTERM after what was finished has been written";
+
+/// Path-space light transport: renders glTF scenes and says how certain each image is.
+#[derive(Debug, Parser)]
+#[command(name = "pathspace", version, after_help = AFTER_HELP, max_term_width = 110)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    Render(Box<render::RenderArgs>),
+    Export(export::ExportArgs),
+    List(list::ListArgs),
+}
+
+/// A command line that makes no sense.
+#[derive(Debug, Error)]
+#[error("{0}")]
+struct UsageError(String);
+
+/// How a command that did not fail has ended.
+enum Outcome {
+    Done,
+    Interrupted,
+}
+
+/// Parses the command line of this process, does what it says with the integrators of `registry`, and returns the exit
+/// code. Errors are one line on stderr.
+#[must_use]
+pub fn main(registry: &Registry) -> ExitCode {
+    let cli = match Cli::try_parse() {
+        Ok(cli) => cli,
+        Err(error) => {
+            // Where the message cannot be shown, the code still tells.
+            let _ = error.print();
+            return ExitCode::from(if error.use_stderr() { 2 } else { 0 });
+        }
+    };
+    let result = match &cli.command {
+        Command::Render(args) => render::run(registry, args),
+        Command::Export(args) => export::run(args),
+        Command::List(_) => list::run(registry),
+    };
+    match result {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Interrupted) => ExitCode::from(130),
+        // Whoever reads our output has seen enough.
+        Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) => {
+            complain("error", &error.to_string());
+            let usage = error.is::<UsageError>() || error.is::<RegistryError>();
+            ExitCode::from(if usage { 2 } else { 1 })
+        }
+    }
+}
+
+fn is_broken_pipe(error: &anyhow::Error) -> bool {
+    error.downcast_ref::<io::Error>().is_some_and(|e| e.kind() == io::ErrorKind::BrokenPipe)
+}
+
+/// One line on stderr, whatever the text holds. A closed stderr is no reason to stop.
+fn complain(kind: &str, text: &str) {
+    let text: String = text.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    let _ = writeln!(io::stderr(), "{kind}: {text}");
+}

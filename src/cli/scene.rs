@@ -1,0 +1,125 @@
+//! From what the user calls a scene to the scene.
+
+use std::fs;
+use std::hash::Hasher;
+use std::path::{Path, PathBuf};
+
+use anyhow::{anyhow, bail};
+
+use crate::names::did_you_mean;
+use crate::scene::description::FilmSize;
+use crate::scene::gltf::{self, ReadOptions};
+use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
+
+/// A scene in both forms, and what was decided for the user.
+#[derive(Debug)]
+pub(crate) struct LoadedScene {
+    /// What the file says, completed with the camera and the film that apply.
+    pub description: SceneDescription,
+    /// Ready for tracing.
+    pub scene: Scene,
+    /// Sentences for the user.
+    pub notes: Vec<String>,
+}
+
+/// What the user may decide about a scene.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct LoadOptions {
+    /// Camera by name or number.
+    pub camera: Option<String>,
+    /// Size of the image instead of the scene's.
+    pub film: Option<FilmSize>,
+    /// How emitters are chosen.
+    pub light_selection: LightSelection,
+}
+
+/// Reads and builds the scene that the user calls `word`: a file, a folder, or the name of a folder in `scenes/`.
+///
+/// # Errors
+/// One line that names the file, the place in it, and what to do.
+pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedScene> {
+    let file = find(word)?;
+    let mut description = gltf::read_with(&file, &ReadOptions { camera: options.camera.clone() })?;
+    let scene_options = SceneOptions { film: options.film, light_selection: options.light_selection };
+    let (scene, notes) = Scene::build(&description, scene_options)?;
+    if description.sensor.is_none() {
+        description.sensor = description.framing_camera();
+    }
+    description.film = Some(scene.sensor().film());
+    Ok(LoadedScene { description, scene, notes })
+}
+
+/// The notes, one line each on stderr.
+pub(crate) fn show(notes: &[String]) {
+    for note in notes {
+        super::complain("note", note);
+    }
+}
+
+fn find(word: &Path) -> anyhow::Result<PathBuf> {
+    if word.is_dir() {
+        return in_folder(word);
+    }
+    let named = Path::new("scenes").join(word);
+    let is_name = word.components().count() == 1;
+    if !word.exists() && is_name && named.is_dir() {
+        return in_folder(&named);
+    }
+    if !word.exists() && is_name && word.extension().is_none() {
+        let names: Vec<String> = fs::read_dir("scenes")
+            .into_iter()
+            .flatten()
+            .flatten()
+            .filter(|entry| entry.path().is_dir())
+            .map(|entry| entry.file_name().to_string_lossy().into_owned())
+            .collect();
+        let suggestion = did_you_mean(&word.to_string_lossy(), names.iter().map(String::as_str));
+        bail!("{}: there is no such file, folder, or folder in scenes/{suggestion}", word.display());
+    }
+    // The reader tells best what is wrong with a file that is not there.
+    Ok(word.to_owned())
+}
+
+fn in_folder(folder: &Path) -> anyhow::Result<PathBuf> {
+    if let Some(file) = ["scene.gltf", "scene.glb"].iter().map(|name| folder.join(name)).find(|file| file.is_file()) {
+        return Ok(file);
+    }
+    let entries = fs::read_dir(folder).map_err(|error| anyhow!("{}: cannot be read: {error}", folder.display()))?;
+    let is_scene = |file: &PathBuf| file.extension().is_some_and(|e| e == "gltf" || e == "glb");
+    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_scene).collect();
+    match (files.pop(), files.is_empty()) {
+        (Some(file), true) => Ok(file),
+        (Some(_), false) => bail!("{}: holds several scenes and none is called scene.gltf; name one", folder.display()),
+        (None, _) => bail!("{}: holds no scene; name a .gltf or .glb file, or a folder with one", folder.display()),
+    }
+}
+
+/// A number that changes with whatever the image depends on in a scene, so that a render goes on with the same scene only.
+pub(crate) fn fingerprint(description: &SceneDescription) -> String {
+    let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+    for mesh in &description.meshes {
+        let normals = mesh.normals.iter().flatten();
+        for vector in mesh.positions.iter().chain(normals) {
+            vector.to_array().iter().for_each(|x| hash.write(&x.to_le_bytes()));
+        }
+        mesh.triangles.as_flattened().iter().for_each(|index| hash.write(&index.to_le_bytes()));
+        hash.write(format!("{} {} {};", mesh.normals.is_some(), mesh.positions.len(), mesh.material).as_bytes());
+    }
+    let SceneDescription { spheres, materials, lights, environment, sensor, .. } = description;
+    hash.write(format!("{spheres:?}{materials:?}{lights:?}{environment:?}{sensor:?}").as_bytes());
+    format!("{:016x}", hash.finish())
+}
+
+/// 64-bit FNV-1a: the same on every machine and with every compiler.
+struct Fnv(u64);
+
+impl Hasher for Fnv {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
