@@ -24,7 +24,7 @@ pub use error::ExperimentError;
 pub use files::Folder;
 pub use mitsuba::Mitsuba;
 pub use plan::{Budget, Plan, Request, ScenePlan};
-pub use reference::ReferenceChoice;
+pub use reference::{ReferenceChoice, check_reference};
 pub use run::{Observer, Report, RunId, Standing, Unfinished, run};
 
 use crate::scene::{Scene, SceneDescription};

@@ -8,6 +8,7 @@ use crate::scene::description::Reference;
 use crate::spectrum::Rgb;
 
 use super::error::ExperimentError;
+use super::plan::ScenePlan;
 use super::Subject;
 
 /// Where references come from.
@@ -34,6 +35,14 @@ pub(super) struct Truth {
 }
 
 const REMEDY: &str = "give one with --reference FILE.exr, or do without errors with --reference none";
+
+/// Tells before anything runs whether the reference of a scene can be used.
+///
+/// # Errors
+/// When it cannot be read, or holds another image than the scene's is to be.
+pub fn check_reference(subject: &Subject, plan: &ScenePlan, choice: &ReferenceChoice) -> Result<(), ExperimentError> {
+    resolve(subject, plan.longest(), choice).map(drop)
+}
 
 /// The reference of a scene for paths of at most `longest` edges.
 pub(super) fn resolve(

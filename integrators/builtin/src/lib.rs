@@ -6,6 +6,7 @@ use pathspace::estimator::Registry;
 #[must_use]
 pub fn registry() -> Registry {
     Registry::default()
+        .with(pathspace_bdpt::ENTRY)
         .with(pathspace_path::ENTRY)
         .with(pathspace_light::ENTRY)
         .with(pathspace_path_bsdf::ENTRY)
