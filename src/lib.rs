@@ -2,6 +2,7 @@
 
 pub mod cli;
 pub mod estimator;
+pub mod experiment;
 pub mod film;
 pub mod geometry;
 pub mod measure;

@@ -1,6 +1,7 @@
 //! The command line. A program of one's own is a registry and a call of [`main`].
 
 mod args;
+mod compare;
 mod export;
 mod interrupt;
 mod list;
@@ -23,6 +24,7 @@ Exit codes:
   0    done (values that cannot be right are counted and told on stderr, and do not change the code)
   1    a scene, film or file cannot be used: one line `error: FILE: place: what; remedy` on stderr
   2    the command line makes no sense: unknown option, integrator or setting
+  3    compare: two methods estimate different images, told after everything is written
   130  interrupted by Ctrl-C or SIGTERM after what was finished has been written";
 
 /// Path-space light transport: renders glTF scenes and says how certain each image is.
@@ -36,6 +38,7 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Render(Box<render::RenderArgs>),
+    Compare(Box<compare::CompareArgs>),
     Export(export::ExportArgs),
     List(list::ListArgs),
 }
@@ -49,6 +52,10 @@ struct UsageError(String);
 enum Outcome {
     Done,
     Interrupted,
+    /// Methods estimate different images.
+    Differ,
+    /// Some of it went wrong, and was told.
+    Failed,
 }
 
 /// Parses the command line of this process, does what it says with the integrators of `registry`, and returns the exit
@@ -65,12 +72,15 @@ pub fn main(registry: &Registry) -> ExitCode {
     };
     let result = match &cli.command {
         Command::Render(args) => render::run(registry, args),
+        Command::Compare(args) => compare::run(registry, args),
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Interrupted) => ExitCode::from(130),
+        Ok(Outcome::Differ) => ExitCode::from(3),
+        Ok(Outcome::Failed) => ExitCode::from(1),
         // Whoever reads our output has seen enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
         Err(error) => {

@@ -105,7 +105,7 @@ pub(crate) fn si(value: f64) -> String {
 }
 
 /// A time to the next second below an hour, to the next minute above.
-fn time(seconds: f64) -> String {
+pub(crate) fn time(seconds: f64) -> String {
     if !seconds.is_finite() {
         return "?".into();
     }

@@ -20,6 +20,7 @@ pub struct Film {
     pub(super) sum_of_squares: Vec<Rgb>,
     pub(super) mask: Option<Vec<bool>>,
     pub(super) statistics: BlockStatistics,
+    pub(super) restricted: Option<BlockStatistics>,
     pub(super) passes: u64,
     /// What the render has counted so far.
     pub counters: Counters,
@@ -34,7 +35,7 @@ impl Film {
         let grid = BlockGrid::new(width, height, mask.as_deref())?;
         let zero = vec![Rgb::BLACK; width as usize * height as usize];
         let statistics = BlockStatistics::new(grid);
-        Ok(Self { sum: zero.clone(), sum_of_squares: zero, mask, statistics, passes: 0, counters: Counters::default() })
+        Ok(Self { sum: zero.clone(), sum_of_squares: zero, mask, statistics, restricted: None, passes: 0, counters: Counters::default() })
     }
 
     /// Pixels in a row.
@@ -65,6 +66,24 @@ impl Film {
     #[must_use]
     pub fn block_statistics(&self) -> &BlockStatistics {
         &self.statistics
+    }
+
+    /// Keeps besides the statistics of only those blocks for which `keep` holds. Not part of a saved state.
+    ///
+    /// # Errors
+    /// When passes are there already, or `keep` is not one value for each block.
+    pub fn keep_restricted(&mut self, keep: &[bool]) -> Result<(), FilmError> {
+        if self.passes > 0 {
+            return Err(FilmError::Incompatible);
+        }
+        self.restricted = Some(BlockStatistics::new(self.statistics.grid.restricted(keep)?));
+        Ok(())
+    }
+
+    /// The statistics that [`Film::keep_restricted`] asks for.
+    #[must_use]
+    pub fn restricted_statistics(&self) -> Option<&BlockStatistics> {
+        self.restricted.as_ref()
     }
 
     /// Adds one sample in every pixel, row by row from the top left. The result is the same on any number of threads.
@@ -98,6 +117,9 @@ impl Film {
             *mean = *mean / f64::from(pixels.max(1));
         }
         self.statistics.add_pass(&means)?;
+        if let Some(restricted) = &mut self.restricted {
+            restricted.add_pass(&means)?;
+        }
         self.passes += 1;
         Ok(())
     }
@@ -109,6 +131,11 @@ impl Film {
     pub fn merge(&mut self, other: &Self) -> Result<(), FilmError> {
         if self.mask != other.mask {
             return Err(FilmError::Incompatible);
+        }
+        match (&mut self.restricted, &other.restricted) {
+            (None, None) => {}
+            (Some(mine), Some(theirs)) => mine.merge(theirs)?,
+            _ => return Err(FilmError::Incompatible),
         }
         self.statistics.merge(&other.statistics)?;
         for (mine, &theirs) in self.sum.iter_mut().zip(&other.sum) {
@@ -251,6 +278,21 @@ mod tests {
                 assert!((a.mean - b.mean).abs() < 1e-13 && (a.variance() - b.variance()).abs() < 1e-13);
             }
         }
+    }
+
+    #[test]
+    fn restricted_statistics_see_the_kept_blocks_alone() {
+        let passes = passes(40, 35, 6, 3);
+        let keep: Vec<bool> = (0..9).map(|block| block % 2 == 0).collect();
+        let mut restricted = Film::new(40, 35, None).unwrap();
+        restricted.keep_restricted(&keep).unwrap();
+        let mask = (0..40 * 35).map(|i| keep[restricted.block_statistics().grid().block_of(i % 40, i / 40)]).collect();
+        let masked = film(40, 35, Some(mask), &passes);
+        passes.iter().for_each(|pass| restricted.add_pass(pass).unwrap());
+        assert_eq!(restricted.restricted_statistics(), Some(masked.block_statistics()));
+        assert_eq!(restricted.block_statistics(), film(40, 35, None, &passes).block_statistics());
+        assert!(restricted.keep_restricted(&keep).is_err());
+        assert!(Film::new(40, 35, None).unwrap().keep_restricted(&keep[1..]).is_err());
     }
 
     #[test]

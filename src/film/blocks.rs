@@ -44,6 +44,18 @@ impl BlockGrid {
         Ok(grid)
     }
 
+    /// The same blocks, of which those count no pixels for which `keep` does not hold.
+    ///
+    /// # Errors
+    /// When `keep` is not one value for each block.
+    pub fn restricted(&self, keep: &[bool]) -> Result<Self, FilmError> {
+        if keep.len() != self.pixels.len() {
+            return Err(FilmError::Count { what: "blocks", expected: self.pixels.len(), found: keep.len() });
+        }
+        let pixels = self.pixels.iter().zip(keep).map(|(&pixels, &keep)| if keep { pixels } else { 0 }).collect();
+        Ok(Self { pixels, ..*self })
+    }
+
     /// Pixels in a row of the image.
     #[must_use]
     pub fn width(&self) -> u32 {
