@@ -97,7 +97,14 @@ impl<E: Estimator> Job<'_, E> {
 
     fn tile(&self, first: usize, pixels: &mut [Rgb], scratch: &mut E::Scratch) -> TileResult {
         let mut tracer = Tracer::new(self.scene);
-        let mut sink = TileSink { first, pixels, size: self.size, splats: Vec::new(), counters: Counters::default(), key: self.key(first) };
+        let mut sink = TileSink {
+            first,
+            pixels,
+            size: self.size,
+            splats: Vec::new(),
+            counters: Counters::default(),
+            key: self.key(first),
+        };
         for index in first..first + sink.pixels.len() {
             sink.key = self.key(index);
             let (x, y) = sink.key.pixel;

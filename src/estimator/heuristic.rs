@@ -93,13 +93,8 @@ mod tests {
 
     #[test]
     fn weights_sum_to_one() {
-        let densities: [&[f64]; 5] = [
-            &[0.2, 3.0, 0.7],
-            &[1.0, 1.0, 1.0, 1.0],
-            &[0.0, 2.0],
-            &[1e-200, 1e150, 3e149],
-            &[0.1, 1.0],
-        ];
+        let densities: [&[f64]; 5] =
+            [&[0.2, 3.0, 0.7], &[1.0, 1.0, 1.0, 1.0], &[0.0, 2.0], &[1e-200, 1e150, 3e149], &[0.1, 1.0]];
         for heuristic in all() {
             for p in densities {
                 let total: f64 = (0..p.len())

@@ -1,7 +1,7 @@
 //! What an integrator is, to the driver and to the command line.
 
-use crate::film::ReplayKey;
 use crate::film::Film;
+use crate::film::ReplayKey;
 use crate::sampler::{Random, Tracer};
 use crate::scene::Scene;
 use crate::scene::sensor::Pixel;

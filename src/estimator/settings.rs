@@ -127,15 +127,16 @@ impl Settings {
             "power" => {
                 let exponent = self.get("exponent", 2.0, "a number above 0")?;
                 let valid = exponent > 0.0 && exponent < f64::INFINITY;
-                valid.then_some(Heuristic::Power { exponent }).ok_or_else(|| {
-                    Self::wrong("exponent", &exponent.to_string(), "a number above 0")
-                })
+                valid
+                    .then_some(Heuristic::Power { exponent })
+                    .ok_or_else(|| Self::wrong("exponent", &exponent.to_string(), "a number above 0"))
             }
             "cutoff" => {
                 let threshold = self.get("threshold", 0.1, "a number from 0 to 1")?;
-                (0.0..=1.0).contains(&threshold).then_some(Heuristic::Cutoff { threshold }).ok_or_else(|| {
-                    Self::wrong("threshold", &threshold.to_string(), "a number from 0 to 1")
-                })
+                (0.0..=1.0)
+                    .contains(&threshold)
+                    .then_some(Heuristic::Cutoff { threshold })
+                    .ok_or_else(|| Self::wrong("threshold", &threshold.to_string(), "a number from 0 to 1"))
             }
             _ => Err(Self::wrong("heuristic", &name, "balance, power, maximum or cutoff")),
         }

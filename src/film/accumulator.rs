@@ -35,7 +35,15 @@ impl Film {
         let grid = BlockGrid::new(width, height, mask.as_deref())?;
         let zero = vec![Rgb::BLACK; width as usize * height as usize];
         let statistics = BlockStatistics::new(grid);
-        Ok(Self { sum: zero.clone(), sum_of_squares: zero, mask, statistics, restricted: None, passes: 0, counters: Counters::default() })
+        Ok(Self {
+            sum: zero.clone(),
+            sum_of_squares: zero,
+            mask,
+            statistics,
+            restricted: None,
+            passes: 0,
+            counters: Counters::default(),
+        })
     }
 
     /// Pixels in a row.

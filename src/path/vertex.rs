@@ -101,11 +101,7 @@ impl Vertex {
     #[inline]
     pub fn projected_to_area(&self, next: &Self) -> Jacobian<ProjectedSolidAngle, Area> {
         let edge = Edge::between(self, next);
-        Jacobian::projected_to_area(
-            self.abs_cos(edge.direction),
-            next.abs_cos(edge.direction),
-            edge.length_squared,
-        )
+        Jacobian::projected_to_area(self.abs_cos(edge.direction), next.abs_cos(edge.direction), edge.length_squared)
     }
 
     /// The unit direction to another vertex.

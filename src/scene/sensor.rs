@@ -147,9 +147,7 @@ impl Sensor {
         let per_solid_angle = Density::new(1.0 / (pixel_area * cos * cos * cos));
         match self.kind {
             Kind::Pinhole => EdgeDensity { position: Density::new(1.0), direction: per_solid_angle },
-            Kind::ThinLens { radius, .. } => {
-                EdgeDensity { position: lens_density(radius), direction: per_solid_angle }
-            }
+            Kind::ThinLens { radius, .. } => EdgeDensity { position: lens_density(radius), direction: per_solid_angle },
             Kind::Orthographic => {
                 EdgeDensity { position: Density::new(1.0 / pixel_area), direction: Density::new(1.0) }
             }
@@ -203,8 +201,7 @@ impl Sensor {
             Kind::ThinLens { radius, .. } => lens_density(radius),
             Kind::Orthographic => {
                 let edge = Edge::between(from, xk);
-                Density::new(1.0)
-                    * Jacobian::solid_angle_to_area(xk.abs_cos(edge.direction), edge.length_squared)
+                Density::new(1.0) * Jacobian::solid_angle_to_area(xk.abs_cos(edge.direction), edge.length_squared)
             }
         }
     }

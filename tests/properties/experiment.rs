@@ -181,7 +181,8 @@ fn the_tables_have_the_columns_that_are_documented() {
     let plan = Plan::resolve(&request(&["path"], 2), &subjects, &registry(), None).unwrap();
     let folder = Folder::create(temporary.path(), false, false).unwrap();
     run(plan, &subjects, &registry(), None, &ReferenceChoice::Scene, Some(&folder), &mut ()).unwrap();
-    let header = |file: &str| fs::read_to_string(temporary.path().join(file)).unwrap().lines().next().unwrap().to_owned();
+    let header =
+        |file: &str| fs::read_to_string(temporary.path().join(file)).unwrap().lines().next().unwrap().to_owned();
     let rows = "scene,method,renderer,seed,threads,checkpoint,spp,render_seconds,cpu_seconds,setup_seconds,rays,mse,rmse,\
                 relmse,smape,mean_ratio,invalid,";
     assert!(header("rows.csv").starts_with(rows));

@@ -100,8 +100,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         let edge = Edge::between(&a.vertex, &b.vertex);
         let Some(at_a) = self.joint(a, &self.y[s - 2], edge.direction, s - 1, t, Side::Emitter) else { return };
         let Some(at_b) = self.joint(b, &self.z[t - 2], -edge.direction, t - 1, s, Side::Sensor) else { return };
-        let value =
-            a.throughput * at_a.value * at_b.value * b.throughput * edge.geometry(&a.vertex, &b.vertex);
+        let value = a.throughput * at_a.value * at_b.value * b.throughput * edge.geometry(&a.vertex, &b.vertex);
         if value.is_black() || !self.tracer.visible(&a.vertex, &b.vertex) {
             return;
         }
@@ -172,9 +171,8 @@ impl<S: Sink> Connector<'_, '_, S> {
         let edge = Edge::between(&a.vertex, &xk);
         let Some(importance) = scene.sensor().importance(&xk, -edge.direction) else { return };
         let Some(joint) = self.joint(a, &self.y[s - 2], edge.direction, s - 1, 1, Side::Emitter) else { return };
-        let value = a.throughput
-            * joint.value
-            * (edge.geometry(&a.vertex, &xk) * importance.value / direct.density.value());
+        let value =
+            a.throughput * joint.value * (edge.geometry(&a.vertex, &xk) * importance.value / direct.density.value());
         if value.is_black() || !self.tracer.visible(&a.vertex, &xk) {
             return;
         }

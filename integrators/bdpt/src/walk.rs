@@ -102,7 +102,12 @@ pub(crate) fn from_sensor(
 }
 
 /// Draws x_0, x_1, …; the first vertex's throughput lacks the emission, which depends on where the path goes.
-pub(crate) fn from_emitter(tracer: &mut Tracer<'_>, random: &mut Random, limits: Limits, walk: &mut Vec<WalkVertex>) -> EmitterId {
+pub(crate) fn from_emitter(
+    tracer: &mut Tracer<'_>,
+    random: &mut Random,
+    limits: Limits,
+    walk: &mut Vec<WalkVertex>,
+) -> EmitterId {
     let scene = tracer.scene();
     let id = scene.choose_emitter(random.uniform());
     let emitter = scene.emitter(id);
@@ -167,7 +172,14 @@ fn extend(
 }
 
 /// Remembers, at the vertex before the last, how a walk from the other end would come to it.
-fn note_reverse(scene: &Scene, side: Side, roulette: Roulette, sample: &Scattered, scale: f64, walk: &mut [WalkVertex]) {
+fn note_reverse(
+    scene: &Scene,
+    side: Side,
+    roulette: Roulette,
+    sample: &Scattered,
+    scale: f64,
+    walk: &mut [WalkVertex],
+) {
     let [.., before, at] = walk else { return };
     at.dirac = sample.is_dirac();
     let edge = Edge::between(&at.vertex, &before.vertex);

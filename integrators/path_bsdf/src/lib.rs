@@ -33,10 +33,7 @@ impl BsdfPathTracer {
     /// # Errors
     /// Where one makes no sense.
     pub fn new(settings: &mut Settings) -> Result<Self, SettingsError> {
-        Ok(Self {
-            max_length: settings.max_length()?,
-            roulette: settings.roulette(Roulette::Throughput { start: 5 })?,
-        })
+        Ok(Self { max_length: settings.max_length()?, roulette: settings.roulette(Roulette::Throughput { start: 5 })? })
     }
 }
 
@@ -84,7 +81,8 @@ impl Estimator for BsdfPathTracer {
         if scene.emitters().iter().any(|e| e.can_be_hit()) {
             Ok(())
         } else {
-            Err("the scene has no emitter that a walk can meet, only point, spot or directional lights: use `path`".into())
+            Err("the scene has no emitter that a walk can meet, only point, spot or directional lights: use `path`"
+                .into())
         }
     }
 }

@@ -13,8 +13,8 @@ use glam::DVec3;
 use crate::geometry::Ray;
 
 pub use sphere::SphereShape;
-pub use triangle::Triangle;
 use tree::Tree;
+pub use triangle::Triangle;
 use triangle::{Block, LANES, ShearedRay};
 
 /// A triangle or an analytic sphere of the scene: triangles first, in the order of the BVH's leaves, then spheres.

@@ -34,11 +34,7 @@ impl SphereShape {
     #[inline]
     pub fn intersect(&self, ray: &Ray, starts_here: bool) -> Option<f64> {
         let [near, far] = self.roots(ray, starts_here)?;
-        if near > 0.0 {
-            Some(near)
-        } else {
-            (far > 0.0).then_some(far)
-        }
+        if near > 0.0 { Some(near) } else { (far > 0.0).then_some(far) }
     }
 
     /// It blocks a segment of the given length, whose ends may lie on it.

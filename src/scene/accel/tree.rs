@@ -51,11 +51,8 @@ impl Tree {
         if boxes.is_empty() {
             return (Self::default(), Vec::new());
         }
-        let params = BvhBuildParams {
-            pre_split: false,
-            max_prims_per_leaf: WIDTH as u32,
-            ..BvhBuildParams::medium_build()
-        };
+        let params =
+            BvhBuildParams { pre_split: false, max_prims_per_leaf: WIDTH as u32, ..BvhBuildParams::medium_build() };
         let bvh = build_bvh2(&boxes, params, &mut std::time::Duration::default());
         let mut flattening = Flattening { bvh: &bvh, tree: Self::default(), leaves: Vec::new() };
         flattening.run();
@@ -106,10 +103,8 @@ impl Tree {
 }
 
 impl Node {
-    const EMPTY: Self = Self {
-        bounds: [[[f32::INFINITY; WIDTH]; 3], [[f32::NEG_INFINITY; WIDTH]; 3]],
-        children: [Child(0); WIDTH],
-    };
+    const EMPTY: Self =
+        Self { bounds: [[[f32::INFINITY; WIDTH]; 3], [[f32::NEG_INFINITY; WIDTH]; 3]], children: [Child(0); WIDTH] };
 
     /// Where the ray enters each box, and a bit for each that it meets up to `limit`.
     #[inline]
@@ -212,8 +207,5 @@ fn padded(bounds: Bounds, pad: f64) -> Aabb {
     let (min, max) = (bounds.min - pad, bounds.max + pad);
     let down = |x: f64| (x as f32).next_down();
     let up = |x: f64| (x as f32).next_up();
-    Aabb::new(
-        Vec3A::new(down(min.x), down(min.y), down(min.z)),
-        Vec3A::new(up(max.x), up(max.y), up(max.z)),
-    )
+    Aabb::new(Vec3A::new(down(min.x), down(min.y), down(min.z)), Vec3A::new(up(max.x), up(max.y), up(max.z)))
 }

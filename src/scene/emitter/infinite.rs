@@ -83,10 +83,7 @@ impl Directional {
     }
 
     pub(super) fn emission_density(&self, x0: &Vertex, direction: DVec3) -> EdgeDensity {
-        EdgeDensity {
-            position: disk_density(self.sphere_radius) * x0.abs_cos(direction),
-            direction: Density::new(1.0),
-        }
+        EdgeDensity { position: disk_density(self.sphere_radius) * x0.abs_cos(direction), direction: Density::new(1.0) }
     }
 
     pub(super) fn sample_direct(&self, x1: &Vertex) -> DirectSample {

@@ -24,10 +24,7 @@ pub struct Point {
 
 impl Point {
     pub(super) fn sample_emission(&self, u: [f64; 5]) -> EmissionSample {
-        EmissionSample {
-            vertex: point_vertex(self.id, self.position),
-            direction: warp::uniform_sphere([u[3], u[4]]),
-        }
+        EmissionSample { vertex: point_vertex(self.id, self.position), direction: warp::uniform_sphere([u[3], u[4]]) }
     }
 
     pub(super) fn emission_density() -> EdgeDensity {
@@ -59,7 +56,14 @@ pub struct Spot {
 impl Spot {
     /// A spot light at `position` along the unit vector `axis`; angles from the axis in radians.
     #[must_use]
-    pub fn new(id: EmitterId, position: DVec3, axis: DVec3, intensity: Rgb, inner_angle: f64, outer_angle: f64) -> Self {
+    pub fn new(
+        id: EmitterId,
+        position: DVec3,
+        axis: DVec3,
+        intensity: Rgb,
+        inner_angle: f64,
+        outer_angle: f64,
+    ) -> Self {
         let half = libm::sin(0.5 * outer_angle);
         let one_minus_cos_outer = 2.0 * half * half;
         Self { id, position, frame: Frame::around(axis), intensity, inner_angle, outer_angle, one_minus_cos_outer }

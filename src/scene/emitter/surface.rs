@@ -110,7 +110,9 @@ impl SphereEmitter {
             Jacobian::solid_angle_to_area(x0.abs_cos(edge.direction), edge.length_squared);
         // Only what faces x_1 lies first along its direction.
         match self.cone(accel, x1.position) {
-            Some(cone) if x0.normal.dot(edge.direction) < 0.0 => warp::uniform_cone_density(cone.one_minus_cos_max) * to_area,
+            Some(cone) if x0.normal.dot(edge.direction) < 0.0 => {
+                warp::uniform_cone_density(cone.one_minus_cos_max) * to_area
+            }
             _ => Density::ZERO,
         }
     }
