@@ -3,6 +3,7 @@
 use clap::Args;
 
 use crate::scene::description::FilmSize;
+use crate::spectrum::Rgb;
 
 /// How to take a scene.
 #[derive(Clone, Debug, Default, Args)]
@@ -15,6 +16,10 @@ pub(crate) struct SceneArgs {
     /// there is none]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
+
+    /// Radiance of a constant environment [W/m²/sr], for scenes without light [default: the scene's]
+    #[arg(long, value_name = "R,G,B|GREY", value_parser = radiance)]
+    pub environment: Option<Rgb>,
 }
 
 /// The longest path.
@@ -46,6 +51,17 @@ pub(crate) fn film_size(text: &str) -> Result<FilmSize, String> {
         Some(FilmSize { width: width.trim().parse().ok()?, height: height.trim().parse().ok()? })
     };
     parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, for example 640x480".into())
+}
+
+/// Three channels, or one for all.
+pub(crate) fn radiance(text: &str) -> Result<Rgb, String> {
+    let channels: Result<Vec<f64>, _> = text.split(',').map(|channel| channel.trim().parse()).collect();
+    let valid = channels.ok().filter(|c| c.iter().all(|c| (0.0..f64::INFINITY).contains(c)));
+    match valid.as_deref() {
+        Some(&[grey]) => Ok(Rgb::grey(grey)),
+        Some(&[r, g, b]) => Ok(Rgb::new(r, g, b)),
+        _ => Err("expected one or three numbers from 0 on, for example 1 or 0.5,0.6,0.8".into()),
+    }
 }
 
 /// A time above zero \[s\].

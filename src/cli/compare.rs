@@ -202,7 +202,7 @@ fn threads(asked: u16) -> usize {
 
 fn load(word: &std::path::Path, args: &CompareArgs) -> anyhow::Result<Subject> {
     let start = Instant::now();
-    let options = LoadOptions { camera: None, film: args.film, light_selection: args.light_selection };
+    let options = LoadOptions { film: args.film, light_selection: args.light_selection, ..LoadOptions::default() };
     let loaded = scene::load(word, &options)?;
     let all = start.elapsed().as_secs_f64();
     scene::show(&loaded.notes);

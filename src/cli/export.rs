@@ -37,7 +37,8 @@ pub(super) struct ExportArgs {
 }
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let options = LoadOptions { camera: args.take.camera.clone(), film: args.take.film, ..LoadOptions::default() };
+    let SceneArgs { film, camera, environment } = args.take.clone();
+    let options = LoadOptions { camera, film, environment, ..LoadOptions::default() };
     let loaded = scene::load(&args.scene, &options)?;
     scene::show(&loaded.notes);
     let options = ExportOptions {

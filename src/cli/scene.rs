@@ -10,6 +10,7 @@ use crate::names::did_you_mean;
 use crate::scene::description::FilmSize;
 use crate::scene::gltf::{self, ReadOptions};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
+use crate::spectrum::Rgb;
 
 /// A scene in both forms, and what was decided for the user.
 #[derive(Debug)]
@@ -29,6 +30,8 @@ pub(crate) struct LoadOptions {
     pub camera: Option<String>,
     /// Size of the image instead of the scene's.
     pub film: Option<FilmSize>,
+    /// Constant environment instead of the scene's.
+    pub environment: Option<Rgb>,
     /// How emitters are chosen.
     pub light_selection: LightSelection,
 }
@@ -40,6 +43,7 @@ pub(crate) struct LoadOptions {
 pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedScene> {
     let file = find(word)?;
     let mut description = gltf::read_with(&file, &ReadOptions { camera: options.camera.clone() })?;
+    description.environment = options.environment.or(description.environment);
     let scene_options = SceneOptions { film: options.film, light_selection: options.light_selection };
     let (scene, notes) = Scene::build(&description, scene_options)?;
     if description.sensor.is_none() {

@@ -50,28 +50,25 @@ impl Heuristic {
     /// ratios are fine.
     #[must_use]
     #[inline]
-    pub fn weight<B, A>(&self, before: B, after: A) -> f64
+    pub fn weight<B, A>(&self, mut before: B, mut after: A) -> f64
     where
         B: Iterator<Item = f64> + Clone,
         A: Iterator<Item = f64> + Clone,
     {
-        let both = || before.clone().chain(after.clone());
         match *self {
-            Self::Balance => 1.0 / (1.0 + both().sum::<f64>()),
+            Self::Balance => 1.0 / (1.0 + before.chain(after).sum::<f64>()),
             Self::Power { exponent } => {
                 let power = |r: f64| if exponent == 2.0 { r * r } else { libm::pow(r, exponent) };
-                1.0 / (1.0 + both().map(power).sum::<f64>())
+                1.0 / (1.0 + before.chain(after).map(power).sum::<f64>())
             }
             Self::Maximum => {
-                let beaten = before.clone().any(|r| r >= 1.0) || after.clone().any(|r| r > 1.0);
+                let beaten = before.any(|r| r >= 1.0) || after.any(|r| r > 1.0);
                 if beaten { 0.0 } else { 1.0 }
             }
             Self::Cutoff { threshold } => {
-                let largest = both().fold(1.0, f64::max);
-                if 1.0 < threshold * largest {
-                    return 0.0;
-                }
-                1.0 / (1.0 + both().filter(|&r| r >= threshold * largest).sum::<f64>())
+                let others = before.chain(after);
+                let least = threshold * others.clone().fold(1.0, f64::max);
+                if 1.0 < least { 0.0 } else { 1.0 / (1.0 + others.filter(|&r| r >= least).sum::<f64>()) }
             }
         }
     }

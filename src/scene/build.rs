@@ -40,7 +40,7 @@ pub enum LightSelection {
 #[derive(Debug, Error)]
 pub enum BuildError {
     /// Nothing emits.
-    #[error("{}: no light: give a material an emission, or add a light or an environment", .0.display())]
+    #[error("{}: no light: give a material an emission, add a light, or render with --environment 1", .0.display())]
     NoLight(PathBuf),
     /// No camera, and nothing that one could be pointed at.
     #[error("{}: no camera and nothing to frame: add a camera node", .0.display())]

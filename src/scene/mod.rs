@@ -185,7 +185,7 @@ impl Scene {
     #[inline]
     fn shading_normal(&self, hit: &Hit, geometric: DVec3) -> DVec3 {
         let Some(corners) = self.normals.get(hit.primitive.0 as usize) else { return geometric };
-        let [a, b, c] = corners.map(|n| n.as_dvec3());
+        let [a, b, c] = corners.map(Vec3::as_dvec3);
         let [v, w] = hit.barycentric;
         // A flat mesh among smooth ones stores zeros.
         (a * (1.0 - v - w) + b * v + c * w).try_normalize().unwrap_or(geometric)

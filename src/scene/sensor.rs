@@ -187,7 +187,7 @@ impl Sensor {
             Kind::Orthographic => {
                 let depth = (from.position - self.position).dot(self.forward);
                 let vertex = self.vertex(from.position - self.forward * depth);
-                (depth > 0.0).then(|| DirectSample { vertex, density: self.direct_density(from, &vertex) })
+                (depth > 0.0).then_some(DirectSample { vertex, density: self.direct_density(from, &vertex) })
             }
         }
     }

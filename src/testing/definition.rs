@@ -79,14 +79,14 @@ impl Definition<'_> {
                 let mut recorder = Recorder::default();
                 let mut random = crate::estimator::driver::random_of(self.scene, seed, pixel, sample);
                 estimator.sample(&mut Tracer::new(self.scene), &mut random, pixel, &mut scratch, &mut recorder);
-                recorder.terms.into_iter().for_each(|term| self.compare_term(&mut comparison, term));
+                recorder.terms.into_iter().for_each(|term| self.compare_term(&mut comparison, &term));
             }
         }
         comparison
     }
 
-    fn compare_term(&self, comparison: &mut Comparison, recorded: RecordedTerm) {
-        let RecordedTerm { term, path } = &recorded;
+    fn compare_term(&self, comparison: &mut Comparison, recorded: &RecordedTerm) {
+        let RecordedTerm { term, path } = recorded;
         let densities = self.densities(path);
         let i = term.technique.s as usize;
         let weight = self.weight(&densities, i);
@@ -102,12 +102,15 @@ impl Definition<'_> {
         comparison.terms += 1;
         comparison.hidden += path.vertices().windows(2).filter(|e| !self.scene.visible(&e[0], &e[1])).count();
         let weight_difference = (weight - term.weight).abs();
-        // Written so that NaN counts as the worst.
-        if !(value <= comparison.value.0) {
-            comparison.value = (if value.is_nan() { f64::INFINITY } else { value }, Some(recorded.clone()));
-        }
-        if !(weight_difference <= comparison.weight.0) {
-            comparison.weight = (weight_difference, Some(recorded));
-        }
+        keep_worst(&mut comparison.value, value, recorded);
+        keep_worst(&mut comparison.weight, weight_difference, recorded);
+    }
+}
+
+/// Keeps the larger deviation with its term; NaN is the largest of all.
+fn keep_worst(worst: &mut (f64, Option<RecordedTerm>), deviation: f64, term: &RecordedTerm) {
+    let deviation = if deviation.is_nan() { f64::INFINITY } else { deviation };
+    if deviation > worst.0 {
+        *worst = (deviation, Some(term.clone()));
     }
 }

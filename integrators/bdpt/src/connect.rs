@@ -160,7 +160,7 @@ impl<S: Sink> Connector<'_, '_, S> {
     }
 
     /// t = 1: a point of the sensor is drawn for the vertex number s of the walk from the emitter.
-    pub fn to_sensor(&mut self, s: usize) {
+    pub fn direct_sensor(&mut self, s: usize) {
         let scene = self.tracer.scene();
         let a = &self.y[s - 1];
         if !a.vertex.scatters() || !a.connects {
@@ -204,7 +204,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         self.fill_emitter_walk(k, k);
         self.fill_film_end(&xk, &a.vertex, &edge);
         let vertices = self.densities.vertices_mut();
-        vertices[k].emitter = onward.to_area(&a.vertex, &edge, &xk).value();
+        vertices[k].emitter = onward.area_density(&a.vertex, &edge, &xk).value();
         if k == 1 {
             self.fill_emitter_end(self.emitter, &a.vertex, &xk, &edge);
             self.densities.set_both_direct(self.density_of_two(self.emitter, &a.vertex, &xk));

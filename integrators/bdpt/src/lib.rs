@@ -109,7 +109,7 @@ impl Estimator for Bidirectional {
         }
         connector.emitter_to_sensor();
         for s in 2..=connector.y.len() {
-            connector.to_sensor(s);
+            connector.direct_sensor(s);
         }
         for s in 2..=connector.y.len() + 1 {
             connector.hit_sensor(s);

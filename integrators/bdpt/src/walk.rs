@@ -45,7 +45,7 @@ pub(crate) struct Onward {
 
 impl Onward {
     /// The density of `next`, a point in this direction.
-    pub fn to_area(&self, at: &Vertex, edge: &Edge, next: &Vertex) -> Density<Area> {
+    pub fn area_density(&self, at: &Vertex, edge: &Edge, next: &Vertex) -> Density<Area> {
         match self.density {
             LobeDensity::Finite(density) => density * solid_angle_to_area(edge, next),
             LobeDensity::Dirac(density) => {
@@ -147,7 +147,7 @@ fn extend(
         step.length = next.map_or(f64::INFINITY, |next| (next.position - at.position).length());
         walk[last].onward = Some(step);
         let Some(next) = next.filter(|_| walk.len() < limits.vertices) else { return };
-        let forward = step.to_area(&at, &Edge::between(&at, &next), &next);
+        let forward = step.area_density(&at, &Edge::between(&at, &next), &next);
         walk.push(WalkVertex::new(scene, next, -step.direction, step.throughput, forward));
         if !next.scatters() || (walk.len() == limits.vertices && !limits.look_on) {
             return;

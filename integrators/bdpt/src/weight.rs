@@ -88,13 +88,13 @@ impl Densities {
             ratios[j] = if self.possible(j) { value(ratio * (self.factor(j) * own)) } else { 0.0 };
         }
         let mut ratio = one;
-        for j in s + 1..ratios.len() {
+        for (j, ratio_of_j) in ratios.iter_mut().enumerate().skip(s + 1) {
             let x = self.vertices[j - 1];
             ratio = ratio * (x.emitter / x.sensor);
             if !in_range(ratio) {
                 return false;
             }
-            ratios[j] = if self.possible(j) { value(ratio * (self.factor(j) * own)) } else { 0.0 };
+            *ratio_of_j = if self.possible(j) { value(ratio * (self.factor(j) * own)) } else { 0.0 };
         }
         true
     }

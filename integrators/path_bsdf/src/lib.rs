@@ -8,6 +8,7 @@ use pathspace::path::{Path, Roulette, Technique};
 use pathspace::sampler::{Random, Tracer};
 use pathspace::scene::Scene;
 use pathspace::scene::bsdf::Side;
+use pathspace::scene::emitter::Emitter;
 use pathspace::scene::sensor::Pixel;
 use pathspace::spectrum::Rgb;
 
@@ -78,7 +79,7 @@ impl Estimator for BsdfPathTracer {
     }
 
     fn supports(&self, scene: &Scene) -> Result<(), String> {
-        if scene.emitters().iter().any(|e| e.can_be_hit()) {
+        if scene.emitters().iter().any(Emitter::can_be_hit) {
             Ok(())
         } else {
             Err("the scene has no emitter that a walk can meet, only point, spot or directional lights: use `path`"

@@ -22,7 +22,7 @@ impl Triangle {
     #[must_use]
     #[inline]
     pub fn corners(&self) -> [DVec3; 3] {
-        self.corners.map(|c| c.as_dvec3())
+        self.corners.map(Vec3::as_dvec3)
     }
 
     /// Twice the area times the unit normal.
