@@ -10,8 +10,8 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::estimator::Registry;
 use crate::experiment::{
-    self, AgreementRow, Budget, Folder, Mitsuba, Observer, Plan, ReferenceChoice, Report, Request, RunId, Standing, Subject,
-    Unfinished,
+    self, AgreementRow, Budget, Folder, Mitsuba, Observer, Plan, ReferenceChoice, Report, Request, RunId, Standing,
+    Subject, Unfinished,
 };
 use crate::report::{Row, tables};
 use crate::scene::description::FilmSize;
@@ -130,8 +130,8 @@ pub(super) fn run(registry: &Registry, args: &CompareArgs) -> anyhow::Result<Out
     }
     let folder = Folder::create(&args.output, args.force, !args.no_images).map_err(usage)?;
     let mut watch = Watch::new(plan.budget);
-    let report =
-        experiment::run(plan, &subjects, registry, mitsuba.as_ref(), &references, Some(&folder), &mut watch).map_err(usage)?;
+    let report = experiment::run(plan, &subjects, registry, mitsuba.as_ref(), &references, Some(&folder), &mut watch)
+        .map_err(usage)?;
     watch.bar.finish_and_clear();
     show(&report, &args.output)?;
     Ok(outcome(&report))

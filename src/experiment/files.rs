@@ -33,7 +33,8 @@ impl Folder {
     /// # Errors
     /// When it cannot be made or written to, or holds an experiment.
     pub fn create(path: &Path, force: bool, images: bool) -> Result<Self, ExperimentError> {
-        let failed = |source: io::Error| ExperimentError::Scene(format!("{}: cannot be made: {source}", path.display()));
+        let failed =
+            |source: io::Error| ExperimentError::Scene(format!("{}: cannot be made: {source}", path.display()));
         if CONTENTS.iter().any(|name| path.join(name).exists()) {
             if !force {
                 let what = format!("{}: holds an experiment; choose another folder, or --force", path.display());
@@ -86,7 +87,13 @@ impl Folder {
     }
 
     /// `images/SCENE/METHOD/seed_N.exr`.
-    pub(super) fn write_image(&self, image: &Image, method: &str, info: &RenderInfo, spp: u64) -> Result<(), ExperimentError> {
+    pub(super) fn write_image(
+        &self,
+        image: &Image,
+        method: &str,
+        info: &RenderInfo,
+        spp: u64,
+    ) -> Result<(), ExperimentError> {
         if !self.images {
             return Ok(());
         }

@@ -93,9 +93,13 @@ impl Mitsuba {
             None => PathBuf::from(".venv/bin/python"),
         };
         let refuse = |what: &str| {
-            format!("{}: {what}; run scripts/setup, or name a Python with Mitsuba in $PATHSPACE_PYTHON", python.display())
+            format!(
+                "{}: {what}; run scripts/setup, or name a Python with Mitsuba in $PATHSPACE_PYTHON",
+                python.display()
+            )
         };
-        let scripts = fs::canonicalize("scripts").ok().filter(|folder| folder.join("pathspace/mitsuba_run.py").is_file());
+        let scripts =
+            fs::canonicalize("scripts").ok().filter(|folder| folder.join("pathspace/mitsuba_run.py").is_file());
         let mut mitsuba = Self { python: python.clone(), scripts, version: String::new(), llvm: None };
         let (mut out, mut last) = (String::new(), String::new());
         let mut command = mitsuba.command("mitsuba_probe");

@@ -8,10 +8,10 @@ use crate::estimator::{Control, Integrator};
 use crate::film::Film;
 use crate::report::{Errors, Row};
 
+use super::Subject;
 use super::error::ExperimentError;
 use super::plan::Budget;
 use super::run::{Finished, Job, Observer, RunEnd, Standing};
-use super::Subject;
 
 /// Rendering time between two looks at the clock \[s\].
 const LOOK_EVERY: f64 = 0.1;

@@ -9,10 +9,10 @@ use crate::estimator::Registry;
 use crate::scene::LightSelection;
 use crate::scene::description::FilmSize;
 
+use super::Subject;
 use super::error::ExperimentError;
 use super::method::{self, MethodKind};
 use super::mitsuba::Mitsuba;
-use super::Subject;
 
 /// The first checkpoint of a timed run is not before this time \[s\].
 const FIRST_CHECKPOINT: f64 = 0.1;

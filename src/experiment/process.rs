@@ -84,10 +84,15 @@ mod tests {
 
     fn shell(script: &str, limit: f64) -> (Ended, Vec<String>) {
         let mut all = Vec::new();
-        let ended = run_limited(Command::new("sh").args(["-c", script]), Duration::from_secs_f64(limit), || false, |l| {
-            let (Line::Out(text) | Line::Error(text)) = l;
-            all.push(text);
-        });
+        let ended = run_limited(
+            Command::new("sh").args(["-c", script]),
+            Duration::from_secs_f64(limit),
+            || false,
+            |l| {
+                let (Line::Out(text) | Line::Error(text)) = l;
+                all.push(text);
+            },
+        );
         (ended.expect("there is a shell"), all)
     }
 

@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::film::exr::read_exr;
 use crate::film::Image;
+use crate::film::exr::read_exr;
 use crate::scene::description::Reference;
 use crate::spectrum::Rgb;
 
+use super::Subject;
 use super::error::ExperimentError;
 use super::plan::ScenePlan;
-use super::Subject;
 
 /// Where references come from.
 #[derive(Clone, Debug, Default, PartialEq)]

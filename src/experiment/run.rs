@@ -160,7 +160,8 @@ pub fn run(
     }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(plan.threads).build();
     let pool = pool.map_err(|error| ExperimentError::Usage(format!("threads: {error}; ask for fewer")))?;
-    let mut session = Session { pool, registry, mitsuba, folder, observer, rows: BTreeMap::new(), pools: BTreeMap::new() };
+    let mut session =
+        Session { pool, registry, mitsuba, folder, observer, rows: BTreeMap::new(), pools: BTreeMap::new() };
     let mut report = Report {
         rows: Vec::new(),
         summary: Vec::new(),
@@ -210,13 +211,19 @@ impl Session<'_> {
 
     /// All runs on one scene: seed by seed, the methods taking turns, so that a machine whose speed drifts is as fast for
     /// all of them.
-    fn scene(&mut self, index: usize, subject: &Subject, truth: &Truth, report: &mut Report) -> Result<(), ExperimentError> {
+    fn scene(
+        &mut self,
+        index: usize,
+        subject: &Subject,
+        truth: &Truth,
+        report: &mut Report,
+    ) -> Result<(), ExperimentError> {
         let labels = report.plan.methods.clone();
         let methods = labels.iter().map(|label| {
             let settings = &report.plan.scenes[index].settings;
-            let settings = settings.get(label).ok_or_else(|| {
-                ExperimentError::Usage(format!("the plan lacks the settings of {label}; plan anew"))
-            })?;
+            let settings = settings
+                .get(label)
+                .ok_or_else(|| ExperimentError::Usage(format!("the plan lacks the settings of {label}; plan anew")))?;
             method::rebuild(label, settings, self.registry)
         });
         let methods = methods.collect::<Result<Vec<Method>, _>>()?;
