@@ -136,7 +136,8 @@ pub(super) fn between(
 ) -> Result<Option<AgreementRow>, FilmError> {
     let (Some(ours), Some(theirs)) = (a.statistics(masked)?, b.statistics(masked)?) else { return Ok(None) };
     let settings = AgreementSettings::default();
-    let test = Agreement::test(&ours, &theirs, &settings)?;
+    let (Some(all_ours), Some(all_theirs)) = (a.statistics(false)?, b.statistics(false)?) else { return Ok(None) };
+    let test = Agreement::test_with((&ours, &theirs), (&all_ours, &all_theirs), &settings)?;
     let MeanTest { t, p_value, relative_difference, relative_error, detectable } = test.image;
     let worst = test.worst.as_ref();
     Ok(Some(AgreementRow {

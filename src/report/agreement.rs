@@ -139,10 +139,23 @@ impl Agreement {
     /// # Errors
     /// When the two differ in size or mask.
     pub fn test(a: &BlockStatistics, b: &BlockStatistics, settings: &AgreementSettings) -> Result<Self, FilmError> {
-        if a.grid() != b.grid() {
+        Self::test_with((a, b), (a, b), settings)
+    }
+
+    /// The same where `(a, b)` count some of the blocks only, and `all` are their statistics over more: what is heavy-tailed
+    /// in a block that does not count casts doubt on its neighbours and on the image too.
+    ///
+    /// # Errors
+    /// When sizes or masks differ.
+    pub fn test_with(
+        (a, b): (&BlockStatistics, &BlockStatistics),
+        all: (&BlockStatistics, &BlockStatistics),
+        settings: &AgreementSettings,
+    ) -> Result<Self, FilmError> {
+        if a.grid() != b.grid() || all.0.grid() != all.1.grid() || a.grid().len() != all.0.grid().len() {
             return Err(FilmError::Incompatible);
         }
-        let (tested, left_out) = choose_blocks(a, b, settings);
+        let (tested, left_out) = choose_blocks(a, all, settings);
         let level = 0.5 * settings.significance;
         let pair = |block: usize, channel: usize| (&a.blocks()[block][channel], &b.blocks()[block][channel]);
         let places: Vec<(usize, usize)> = tested.iter().flat_map(|&block| [0, 1, 2].map(|c| (block, c))).collect();
@@ -172,11 +185,12 @@ impl Agreement {
             block_detectable: median(tests.iter().map(|test| test.detectable).collect()).unwrap_or(0.0),
             power: settings.power,
         };
-        agreement.verdict = agreement.decide(a, b, settings);
+        let all_is_heavy = is_heavy((&all.0.image()[3], &all.1.image()[3]), settings);
+        agreement.verdict = agreement.decide(a, b, all_is_heavy, settings);
         Ok(agreement)
     }
 
-    fn decide(&self, a: &BlockStatistics, b: &BlockStatistics, settings: &AgreementSettings) -> Verdict {
+    fn decide(&self, a: &BlockStatistics, b: &BlockStatistics, all_is_heavy: bool, settings: &AgreementSettings) -> Verdict {
         let image = (&a.image()[3], &b.image()[3]);
         if a.passes().min(b.passes()) < settings.smallest_passes.max(2) {
             return Verdict::Undecided(Doubt::FewPasses);
@@ -190,10 +204,10 @@ impl Agreement {
         }
         let image_is_heavy = is_heavy(image, settings);
         let image_differs = !image_is_heavy && self.image.p_value <= 0.5 * settings.significance;
-        if self.differing > 0 || image_differs {
+        if self.differing > 0 || (image_differs && !all_is_heavy) {
             return Verdict::Differ;
         }
-        if image_is_heavy {
+        if image_is_heavy || image_differs {
             return Verdict::Undecided(Doubt::HeavyTails);
         }
         if self.image.detectable <= settings.image_limit && self.block_detectable <= settings.block_limit {
@@ -241,14 +255,18 @@ fn is_heavy((a, b): (&Moments, &Moments), settings: &AgreementSettings) -> bool 
     share(a) || share(b) || Welch::new(a, b).tail > settings.largest_skewness
 }
 
-/// The blocks to test, and how many others are left out for heavy tails.
-fn choose_blocks(a: &BlockStatistics, b: &BlockStatistics, settings: &AgreementSettings) -> (Vec<usize>, usize) {
+/// The blocks to test, those that count in `a`, and how many others are left out for heavy tails in `all`.
+fn choose_blocks(
+    a: &BlockStatistics,
+    all: (&BlockStatistics, &BlockStatistics),
+    settings: &AgreementSettings,
+) -> (Vec<usize>, usize) {
     let grid = a.grid();
     let counts = |block: &usize| grid.pixels()[*block] > 0;
     let heavy: Vec<bool> = (0..grid.len())
         .map(|block| {
-            let channels = a.blocks()[block].iter().zip(&b.blocks()[block]);
-            counts(&block) && channels.into_iter().any(|pair| is_heavy(pair, settings))
+            let channels = all.0.blocks()[block].iter().zip(&all.1.blocks()[block]);
+            all.0.grid().pixels()[block] > 0 && channels.into_iter().any(|pair| is_heavy(pair, settings))
         })
         .collect();
     let (columns, rows) = (grid.columns(), grid.rows());
