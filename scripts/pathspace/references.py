@@ -55,8 +55,8 @@ def provenance(image: Path) -> str:
     error = pixels[..., [names.index(f"standard_error.{c}") for c in "RGB"]]
     attributes = bitmap.metadata()
     lines = [
-        "# How reference.exr was made. The standard error of each pixel is in its channels standard_error.*;",
-        "# relative errors here are those of a pixel's luminance, over the mean of the image.",
+        "# How reference.exr was made. The standard error of each pixel is in its channels",
+        "# standard_error.*; relative errors here are luminance over the image's mean.",
         f'method = "{attributes["integrator"]}"',
         f"settings = '{attributes['settings']}'",
         f"samples_per_pixel = {attributes['samplesPerPixel']}",
