@@ -237,7 +237,7 @@ impl Sensor {
         let inside = raster.cmpge(DVec2::ZERO).all()
             && raster.x < f64::from(self.film.width)
             && raster.y < f64::from(self.film.height);
-        inside.then(|| Pixel { x: raster.x as u32, y: raster.y as u32 })
+        inside.then_some(Pixel { x: raster.x as u32, y: raster.y as u32 })
     }
 }
 

@@ -1,4 +1,5 @@
 //! Properties of the whole, one module each.
+#![allow(clippy::unwrap_used)]
 
 mod definition;
 mod experiment;

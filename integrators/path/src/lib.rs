@@ -152,8 +152,9 @@ impl PathTracer {
         let density = scene.emitter_probability(id).value() * direct.density;
         let weight = if emitter.can_be_hit() {
             let by_chance = scene.scatter_density(x1, to_sensor, to_emitter);
-            let local = scattered * (x1.abs_cos(to_emitter) / by_chance.value());
-            let survival = self.survival(scene, walk.energy, x1, to_emitter, to_sensor, local, edges);
+            let scale = scene.radiance_scale(x1, to_emitter, to_sensor);
+            let local = scattered * (x1.abs_cos(to_emitter) / (by_chance.value() * scale));
+            let survival = self.roulette.survival(edges, local, walk.energy * local);
             let by_chance = by_chance * survival * to_area(&edge, &x0);
             self.heuristic.weight(iter::once(by_chance / density), iter::empty())
         } else {
@@ -178,13 +179,14 @@ impl PathTracer {
     ) -> Option<Arrival> {
         let to_sensor = -arrival.direction;
         let scattered = scene.sample_scatter(vertex, Side::Sensor, to_sensor, random.uniform3())?;
-        let local = scattered.weight(vertex);
-        let survival = self.survival(scene, walk.energy, vertex, scattered.to, to_sensor, local, edges);
+        let weight = scattered.weight(vertex);
+        let local = weight / scene.radiance_scale(vertex, scattered.to, to_sensor);
+        let survival = self.roulette.survival(edges, local, walk.energy * local);
         if survival <= 0.0 || (survival < 1.0 && random.uniform() >= survival) {
             return None;
         }
-        walk.throughput *= local / survival;
-        walk.energy *= local / (survival * scene.radiance_scale(vertex, scattered.to, to_sensor));
+        walk.throughput *= weight / survival;
+        walk.energy *= local / survival;
         if S::RECORDS {
             walk.history.push((*vertex, scattered.is_dirac()));
         }
@@ -193,22 +195,6 @@ impl PathTracer {
             LobeDensity::Dirac(_) => None,
         };
         Some(Arrival { from: *vertex, direction: scattered.to, density })
-    }
-
-    /// Survival at a vertex that scatters with the weight `local` (η² included).
-    #[inline]
-    fn survival(
-        &self,
-        scene: &Scene,
-        energy: Rgb,
-        vertex: &Vertex,
-        to_emitter: glam::DVec3,
-        to_sensor: glam::DVec3,
-        local: Rgb,
-        edges: u32,
-    ) -> f64 {
-        let local = local / scene.radiance_scale(vertex, to_emitter, to_sensor);
-        self.roulette.survival(edges, local, energy * local)
     }
 
     /// The density with which next-event estimation draws x_0 for x_1.
