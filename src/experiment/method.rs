@@ -95,11 +95,15 @@ mod tests {
     #[test]
     fn methods_of_mitsuba_take_settings_and_refuse_others() {
         let registry = Registry::default();
-        let method = build("mitsuba:ptracer:rr_depth=100:variant=scalar_rgb", &registry, "8").unwrap_or_else(|_| panic!("known"));
+        let method = build("mitsuba:ptracer:rr_depth=100:variant=scalar_rgb", &registry, "8")
+            .unwrap_or_else(|_| panic!("known"));
         let MethodKind::Mitsuba(mitsuba) = &method.kind else { panic!("it is Mitsuba's") };
         assert_eq!((mitsuba.integrator, mitsuba.rr_depth, mitsuba.max_length.as_str()), ("ptracer", 100, "8"));
         let label = "mitsuba:ptracer:rr_depth=100:variant=scalar_rgb";
-        assert_eq!(rebuild(label, &method.settings, &registry).unwrap_or_else(|_| panic!("known")).settings, method.settings);
+        assert_eq!(
+            rebuild(label, &method.settings, &registry).unwrap_or_else(|_| panic!("known")).settings,
+            method.settings
+        );
         for (text, part) in [
             ("mitsuba:bdpt", "known: mitsuba:path"),
             ("mitsuba:path:variant=cuda", "scalar_rgb or llvm_ad_rgb"),

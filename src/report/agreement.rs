@@ -190,7 +190,13 @@ impl Agreement {
         Ok(agreement)
     }
 
-    fn decide(&self, a: &BlockStatistics, b: &BlockStatistics, all_is_heavy: bool, settings: &AgreementSettings) -> Verdict {
+    fn decide(
+        &self,
+        a: &BlockStatistics,
+        b: &BlockStatistics,
+        all_is_heavy: bool,
+        settings: &AgreementSettings,
+    ) -> Verdict {
         let image = (&a.image()[3], &b.image()[3]);
         if a.passes().min(b.passes()) < settings.smallest_passes.max(2) {
             return Verdict::Undecided(Doubt::FewPasses);
