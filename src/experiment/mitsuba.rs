@@ -234,7 +234,7 @@ pub(super) fn render(
     if stopped {
         return Ok(RunEnd::Stopped);
     }
-    collect(job, folder).map(RunEnd::Finished)
+    collect(job, folder).map(|run| RunEnd::Finished(Box::new(run)))
 }
 
 /// Turns the files of a run into rows, image and statistics.

@@ -49,13 +49,13 @@ pub(super) fn render(
     if stopped {
         return Ok(RunEnd::Stopped);
     }
-    Ok(RunEnd::Finished(Finished {
+    Ok(RunEnd::Finished(Box::new(Finished {
         rows,
         image: film.mean_image(),
         statistics: film.block_statistics().clone(),
         restricted: film.restricted_statistics().cloned(),
         pass_spp: 1,
-    }))
+    })))
 }
 
 /// Runs while the integrator renders, and stands still while it is asked what to do next.

@@ -125,7 +125,7 @@ pub(super) struct Finished {
 
 /// How a run has ended.
 pub(super) enum RunEnd {
-    Finished(Finished),
+    Finished(Box<Finished>),
     Unsupported(String),
     Failed(String),
     Stopped,
