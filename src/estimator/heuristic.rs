@@ -25,25 +25,13 @@ pub enum Heuristic {
 }
 
 impl Heuristic {
-    /// The names that [`named`](Self::named) knows, each with a line of explanation.
+    /// All of them by name, each with a line of explanation.
     pub const NAMES: [(&str, &str); 4] = [
         ("balance", "w_i = n_i p_i / Σ n_j p_j"),
         ("power", "w_i = (n_i p_i)^β / Σ (n_j p_j)^β; `exponent` sets β (2)"),
         ("maximum", "all weight to the technique with the largest n_i p_i"),
         ("cutoff", "balance among those with n_i p_i ≥ α · largest; `threshold` sets α (0.1)"),
     ];
-
-    /// By name and parameters, with Veach's values for those left out. `None` for an unknown name.
-    #[must_use]
-    pub fn named(name: &str, exponent: Option<f64>, threshold: Option<f64>) -> Option<Self> {
-        match name {
-            "balance" => Some(Self::Balance),
-            "power" => Some(Self::Power { exponent: exponent.unwrap_or(2.0) }),
-            "maximum" => Some(Self::Maximum),
-            "cutoff" => Some(Self::Cutoff { threshold: threshold.unwrap_or(0.1) }),
-            _ => None,
-        }
-    }
 
     /// The weight of the technique that drew the sample, from the ratios `n_j p_j / (n_i p_i)` of all *other* techniques:
     /// `before` those with a lower number (nearest first or last alike), `after` those with a higher one. Zero and infinite

@@ -131,7 +131,9 @@ fn at(curves: &[Curve], time: f64) -> Option<Vec<f64>> {
 
 /// When the mean over seeds first falls to the target; outside the times that all seeds share, a bound.
 fn time_to_reach(curves: &[Curve], target: f64) -> Option<(f64, Bound)> {
-    let times = curves.first()?.iter().map(|&(time, _)| time);
+    // The last time that all seeds have reached counts, whether or not it is one of the first seed's.
+    let end = curves.iter().filter_map(|curve| curve.last()).map(|&(time, _)| time).fold(f64::INFINITY, f64::min);
+    let times = curves.first()?.iter().map(|&(time, _)| time).filter(|&time| time < end).chain([end]);
     let pooled: Curve = times.filter_map(|time| Some((time, mean(&at(curves, time)?)?))).collect();
     let after = pooled.iter().position(|&(_, value)| value <= target);
     match after {
