@@ -187,6 +187,17 @@ pub fn terrace(film: FilmSize) -> SceneDescription {
     scene
 }
 
+/// The terrace seen by an orthographic camera.
+#[must_use]
+pub fn gallery(film: FilmSize) -> SceneDescription {
+    let mut scene = terrace(film);
+    scene.name = "gallery".into();
+    if let Some(camera) = &mut scene.sensor {
+        camera.projection = Projection::Orthographic { half_width: 0.8, half_height: 0.6 };
+    }
+    scene
+}
+
 /// The scene, chosen emitters in proportion to their flux.
 ///
 /// # Panics

@@ -31,8 +31,8 @@ fn check<E: Estimator>(
     assert_eq!(comparison.hidden, 0, "{}: edges that the walk has drawn are denied", scene.name);
 }
 
-fn all_scenes() -> [SceneDescription; 3] {
-    [scenes::room(FILM), scenes::cabinet(FILM), scenes::terrace(FILM)]
+fn all_scenes() -> [SceneDescription; 4] {
+    [scenes::room(FILM), scenes::cabinet(FILM), scenes::terrace(FILM), scenes::gallery(FILM)]
 }
 
 fn rules(roulette: Roulette) -> WalkRules {

@@ -1,6 +1,9 @@
 //! Properties of the whole, one module each.
 #![allow(clippy::unwrap_used)]
 
+mod agreement;
 mod definition;
 mod experiment;
 mod known_answers;
+mod range;
+mod visibility;

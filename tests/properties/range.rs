@@ -1,0 +1,65 @@
+//! Weights of long and of nearly specular paths, whose densities no floating-point number holds.
+
+use pathspace::estimator::{Estimator, Heuristic, Recorder, Settings, driver};
+use pathspace::path::{Roulette, Technique, WalkRules};
+use pathspace::sampler::Tracer;
+use pathspace::scene::description::{BsdfDescription, FilmSize};
+use pathspace::scene::sensor::Pixel;
+use pathspace::spectrum::Rgb;
+use pathspace::testing::definition::Definition;
+use pathspace::testing::scenes;
+use pathspace_bdpt::Bidirectional;
+use pathspace_path_bsdf::BsdfPathTracer;
+
+const RULES: WalkRules = WalkRules { sensor: Roulette::Off, emitter: Roulette::Off };
+const FILM: FilmSize = FilmSize { width: 4, height: 4 };
+
+#[test]
+fn weights_of_a_thousand_vertices_add_up_to_one() {
+    let scene = scenes::build(&scenes::enclosure(Rgb::WHITE, Rgb::grey(0.99), FILM));
+    let mut settings = Settings::parse("max_length=1000:roulette=off").unwrap();
+    let estimator = BsdfPathTracer::new(&mut settings).unwrap();
+    let pixel = Pixel { x: 1, y: 2 };
+    let mut recorder = Recorder::default();
+    let mut random = driver::random_of(&scene, 1, pixel, 0);
+    estimator.sample(&mut Tracer::new(&scene), &mut random, pixel, &mut (), &mut recorder);
+    let path = &recorder.terms.last().unwrap().path;
+    assert_eq!(path.edges(), 1000);
+    for heuristic in [
+        Heuristic::Balance,
+        Heuristic::Power { exponent: 2.0 },
+        Heuristic::Maximum,
+        Heuristic::Cutoff { threshold: 0.1 },
+    ] {
+        let definition = Definition { scene: &scene, rules: RULES, heuristic, takes_part: |_| true };
+        let densities = definition.densities(path);
+        let plain = densities.iter().filter(|p| (1e-300..1e300).contains(&p.to_f64())).count();
+        assert!(plain < densities.len() / 2, "the path is no test: {plain} densities are in range");
+        let total: f64 = (0..densities.len()).map(|i| definition.weight(&densities, i)).sum();
+        assert!((total - 1.0).abs() < 1e-9, "{heuristic:?}: {total}");
+    }
+}
+
+#[test]
+fn nearly_specular_paths_equal_the_definition() {
+    let mut description = scenes::cabinet(FILM);
+    for material in &mut description.materials {
+        match &mut material.bsdf {
+            BsdfDescription::RoughConductor { alpha, .. } | BsdfDescription::RoughDielectric { alpha, .. } => {
+                *alpha = 1e-6
+            }
+            _ => {}
+        }
+    }
+    let scene = scenes::build(&description);
+    let bdpt = Bidirectional::new(&mut Settings::parse("max_length=6:roulette=off").unwrap()).unwrap();
+    let takes_part: fn(Technique) -> bool = |_| true;
+    let definition = Definition { scene: &scene, rules: RULES, heuristic: Heuristic::Balance, takes_part };
+    let comparison = definition.compare(&bdpt, 5, 200);
+    assert!(comparison.terms > 10_000, "only {} terms", comparison.terms);
+    assert!(comparison.partition < 1e-9, "weights add up to 1 ± {}", comparison.partition);
+    // The half vector of a lobe 10⁻⁶ wide keeps about ten of its digits.
+    let (weight, term) = &comparison.weight;
+    let term = term.as_ref().map_or_else(String::new, ToString::to_string);
+    assert!(*weight < 1e-3, "weight differs by {weight}: {term}");
+}
