@@ -118,11 +118,10 @@ impl Accel {
     /// The nearest primitive in front of a ray that starts on `start`; of several at the same distance, the first.
     #[must_use]
     pub fn closest(&self, ray: &Ray, start: PrimitiveId) -> Option<Hit> {
-        let mut best = Hit { t: f64::INFINITY, primitive: PrimitiveId::NONE, barycentric: [0.0; 2] };
+        let mut best = Hit { t: f64::MAX, primitive: PrimitiveId::NONE, barycentric: [0.0; 2] };
         let sheared = ShearedRay::new(ray);
         self.triangle_tree.visit(ray, &mut best.t, |leaf, t_max| {
-            // One more than the farthest, so that ties are seen.
-            let hits = self.blocks[leaf].intersect(&sheared, t_max.next_up());
+            let hits = self.blocks[leaf].intersect(&sheared, *t_max);
             let mut mask = hits.mask;
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize;
@@ -161,31 +160,20 @@ impl Accel {
         let offset = to - from;
         let length = offset.length();
         let ray = Ray::new(from, offset / length);
-        let mut free = true;
         let sheared = ShearedRay::new(&ray);
-        self.triangle_tree.visit(&ray, &mut length.clone(), |leaf, t_max| {
-            let mut mask = self.blocks[leaf].intersect(&sheared, *t_max).mask;
-            for end in [on_from, on_to] {
-                if let Some(lane) = (end.0 as usize).checked_sub(leaf * LANES).filter(|&lane| lane < LANES) {
-                    mask &= !(1 << lane);
-                }
-            }
-            free = mask == 0;
-            free
+        // The lanes of the surfaces at the ends do not count.
+        let ends = [on_from, on_to].map(|end| end.0 as usize);
+        let by_triangle = self.triangle_tree.any(&ray, length, |leaf| {
+            let hits = self.blocks[leaf].intersect(&sheared, length.next_down());
+            let own = ends.map(|end| if end / LANES == leaf { 1 << (end % LANES) } else { 0 });
+            hits.mask & !(own[0] | own[1]) != 0
         });
-        if !free {
-            return true;
-        }
-        self.sphere_tree.visit(&ray, &mut length.clone(), |leaf, _| {
-            for slot in self.sphere_ranges[leaf].clone() {
-                let id = self.sphere_id(slot);
-                if self.spheres[slot].blocks(&ray, length, id == on_from, id == on_to) {
-                    free = false;
-                    return false;
-                }
-            }
-            true
-        });
-        !free
+        by_triangle
+            || self.sphere_tree.any(&ray, length, |leaf| {
+                self.sphere_ranges[leaf].clone().any(|slot| {
+                    let id = self.sphere_id(slot);
+                    self.spheres[slot].blocks(&ray, length, id == on_from, id == on_to)
+                })
+            })
     }
 }
