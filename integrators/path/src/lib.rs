@@ -207,6 +207,9 @@ impl PathTracer {
         local: Rgb,
         edges: u32,
     ) -> f64 {
+        if !self.roulette.applies(edges) {
+            return 1.0;
+        }
         let local = local / scene.radiance_scale(vertex, to_emitter, to_sensor);
         self.roulette.survival(edges, local, energy * local)
     }
