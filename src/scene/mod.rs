@@ -174,7 +174,7 @@ impl Scene {
             (sphere.centre + normal * sphere.radius, normal, normal, sphere.shape)
         } else {
             let triangle = self.accel.triangle(hit.primitive);
-            let normal = triangle.area_vector().normalize();
+            let normal = self.accel.normal(hit.primitive);
             (triangle.point(hit.barycentric), normal, self.shading_normal(hit, normal), triangle.shape)
         };
         let Shape { material, emitter } = self.shapes[shape as usize];

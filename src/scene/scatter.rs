@@ -173,6 +173,7 @@ impl Scene {
 
     /// `(η_o/η_i)²` for a pair of directions: what refraction does to radiance beyond energy.
     #[must_use]
+    #[inline]
     pub fn radiance_scale(&self, vertex: &Vertex, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
         let material = self.material_of(vertex);
         if !material.transmits {

@@ -44,6 +44,8 @@ pub struct Accel {
     blocks: Vec<Block>,
     /// The shapes of the triangles, by id; of unused lanes, none.
     triangle_shapes: Vec<u32>,
+    /// Their unit normals, by id.
+    triangle_normals: Vec<DVec3>,
     spheres: Vec<SphereShape>,
     /// The spheres of each leaf of their tree.
     sphere_ranges: Vec<std::ops::Range<usize>>,
@@ -73,6 +75,9 @@ impl Accel {
             .collect();
         let accel = Self {
             blocks,
+            triangle_normals: (slots.iter())
+                .map(|i| i.map_or(DVec3::ZERO, |i| triangles[i as usize].area_vector().normalize()))
+                .collect(),
             triangle_shapes: slots.iter().map(|i| i.map_or(u32::MAX, |i| triangles[i as usize].shape)).collect(),
             spheres: ordered_spheres,
             sphere_ranges,
@@ -115,21 +120,27 @@ impl Accel {
         Triangle { corners: self.blocks[slot / LANES].corners(slot % LANES), shape: self.triangle_shapes[slot] }
     }
 
+    /// The unit normal of the front of the triangle with this id.
+    #[must_use]
+    #[inline]
+    pub fn normal(&self, id: PrimitiveId) -> DVec3 {
+        self.triangle_normals[id.0 as usize]
+    }
+
     /// The nearest primitive in front of a ray that starts on `start`; of several at the same distance, the first.
     #[must_use]
     pub fn closest(&self, ray: &Ray, start: PrimitiveId) -> Option<Hit> {
-        let mut best = Hit { t: f64::INFINITY, primitive: PrimitiveId::NONE, barycentric: [0.0; 2] };
+        let mut best = Hit { t: f64::MAX, primitive: PrimitiveId::NONE, barycentric: [0.0; 2] };
         let sheared = ShearedRay::new(ray);
         self.triangle_tree.visit(ray, &mut best.t, |leaf, t_max| {
-            // One more than the farthest, so that ties are seen.
-            let hits = self.blocks[leaf].intersect(&sheared, t_max.next_up());
-            let mut mask = hits.mask;
+            let hits = self.blocks[leaf].intersect(&sheared, *t_max);
+            let mut mask = hits.mask & !lane_of(start, leaf);
             while mask != 0 {
                 let lane = mask.trailing_zeros() as usize;
                 mask &= mask - 1;
                 let id = PrimitiveId((leaf * LANES + lane) as u32);
                 let t = hits.distance(lane);
-                if id != start && (t < *t_max || (t == *t_max && id < best.primitive)) {
+                if t < *t_max || (t == *t_max && id < best.primitive) {
                     *t_max = t;
                     best.primitive = id;
                     best.barycentric = hits.hit(lane).1;
@@ -161,31 +172,24 @@ impl Accel {
         let offset = to - from;
         let length = offset.length();
         let ray = Ray::new(from, offset / length);
-        let mut free = true;
         let sheared = ShearedRay::new(&ray);
-        self.triangle_tree.visit(&ray, &mut length.clone(), |leaf, t_max| {
-            let mut mask = self.blocks[leaf].intersect(&sheared, *t_max).mask;
-            for end in [on_from, on_to] {
-                if let Some(lane) = (end.0 as usize).checked_sub(leaf * LANES).filter(|&lane| lane < LANES) {
-                    mask &= !(1 << lane);
-                }
-            }
-            free = mask == 0;
-            free
+        let by_triangle = self.triangle_tree.any(&ray, length, |leaf| {
+            let hits = self.blocks[leaf].intersect(&sheared, length.next_down());
+            hits.mask & !(lane_of(on_from, leaf) | lane_of(on_to, leaf)) != 0
         });
-        if !free {
-            return true;
-        }
-        self.sphere_tree.visit(&ray, &mut length.clone(), |leaf, _| {
-            for slot in self.sphere_ranges[leaf].clone() {
-                let id = self.sphere_id(slot);
-                if self.spheres[slot].blocks(&ray, length, id == on_from, id == on_to) {
-                    free = false;
-                    return false;
-                }
-            }
-            true
-        });
-        !free
+        by_triangle
+            || self.sphere_tree.any(&ray, length, |leaf| {
+                self.sphere_ranges[leaf].clone().any(|slot| {
+                    let id = self.sphere_id(slot);
+                    self.spheres[slot].blocks(&ray, length, id == on_from, id == on_to)
+                })
+            })
     }
+}
+
+/// The bit of a triangle in the mask of a leaf's hits; zero where it lies in another leaf.
+#[inline]
+fn lane_of(id: PrimitiveId, leaf: usize) -> u32 {
+    let slot = id.0 as usize;
+    u32::from(slot / LANES == leaf) << (slot % LANES)
 }

@@ -78,17 +78,29 @@ impl Tree {
             } else {
                 let node = &self.nodes[current.0 as usize];
                 let (near, mut mask) = node.intersect(&ray, limit);
-                let first = stack.len();
-                while mask != 0 {
-                    let lane = mask.trailing_zeros() as usize;
-                    mask &= mask - 1;
-                    stack.push((near[lane], node.children[lane]));
-                    // The nearest stays on top.
-                    let mut at = stack.len() - 1;
-                    while at > first && stack[at - 1].0 < stack[at].0 {
-                        stack.swap(at - 1, at);
-                        at -= 1;
+                if mask != 0 {
+                    let mut next = || {
+                        let lane = mask.trailing_zeros() as usize % WIDTH;
+                        mask &= mask - 1;
+                        ((near[lane], node.children[lane]), mask != 0)
+                    };
+                    // The nearest is next; the others wait, the near ones on top.
+                    let (mut nearest, mut more) = next();
+                    let first = stack.len();
+                    while more {
+                        let other;
+                        (other, more) = next();
+                        let closer = other.0 < nearest.0;
+                        stack.push(if closer { nearest } else { other });
+                        nearest = if closer { other } else { nearest };
+                        let mut at = stack.len() - 1;
+                        while at > first && stack[at - 1].0 < stack[at].0 {
+                            stack.swap(at - 1, at);
+                            at -= 1;
+                        }
                     }
+                    current = nearest.1;
+                    continue;
                 }
             }
             loop {
@@ -98,6 +110,32 @@ impl Tree {
                     break;
                 }
             }
+        }
+    }
+
+    /// Some leaf that the ray may meet before `t_max` answers yes; they are asked in no order.
+    #[inline]
+    pub fn any(&self, ray: &Ray, t_max: f64, mut leaf: impl FnMut(usize) -> bool) -> bool {
+        if self.nodes.is_empty() {
+            return false;
+        }
+        let ray = BoxRay::new(ray);
+        let limit = round_up(t_max);
+        let mut stack: SmallVec<[Child; 64]> = SmallVec::new();
+        let mut node = &self.nodes[0];
+        loop {
+            let (_, mut mask) = node.intersect(&ray, limit);
+            while mask != 0 {
+                let child = node.children[mask.trailing_zeros() as usize % WIDTH];
+                mask &= mask - 1;
+                match child.leaf() {
+                    Some(number) if leaf(number) => return true,
+                    Some(_) => {}
+                    None => stack.push(child),
+                }
+            }
+            let Some(child) = stack.pop() else { return false };
+            node = &self.nodes[child.0 as usize];
         }
     }
 }

@@ -116,7 +116,7 @@ impl Block {
         self.corners.map(|[x, y, z]| Vec3::new(x[lane], y[lane], z[lane]))
     }
 
-    /// The triangles that a ray meets, from either side, at a distance above zero and below `t_max`.
+    /// The triangles that a ray meets, from either side, at a distance above zero and up to `t_max`.
     ///
     /// In the ray's coordinates it meets a triangle whose three edges all have the origin on the same side. The side of an
     /// edge p → q is the sign of p_x q_y − p_y q_x; exchanging p and q flips it exactly, so a ray cannot pass between two
@@ -142,7 +142,7 @@ impl Block {
         let volume = u + v + w;
         let t = (u * az + v * bz + w * cz) * f64x8::splat(ray.scale) / volume;
         // A division by zero gives NaN or ±∞, none of which is in the range.
-        let mask = (inside & t.simd_gt(zero) & t.simd_lt(f64x8::splat(t_max))).to_bitmask();
+        let mask = (inside & t.simd_gt(zero) & t.simd_le(f64x8::splat(t_max))).to_bitmask();
         BlockHits { mask, t, v, w, volume }
     }
 }
@@ -172,7 +172,7 @@ mod tests {
     }
 
     fn intersect(block: &Block, ray: &Ray) -> BlockHits {
-        block.intersect(&ShearedRay::new(ray), f64::INFINITY)
+        block.intersect(&ShearedRay::new(ray), f64::MAX)
     }
 
     #[test]

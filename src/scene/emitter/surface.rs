@@ -54,10 +54,11 @@ pub(super) fn emission_density(area: f64, x0: &Vertex, direction: DVec3) -> Edge
 }
 
 impl MeshEmitter {
+    #[inline]
     fn vertex(&self, accel: &Accel, [choice, u, v]: [f64; 3]) -> Vertex {
         let primitive = self.triangles[self.choice.sample(choice)];
         let triangle = accel.triangle(primitive);
-        let normal = triangle.area_vector().normalize();
+        let normal = accel.normal(primitive);
         let [_, v, w] = warp::uniform_triangle([u, v]);
         Vertex {
             position: triangle.point([v, w]),
