@@ -144,7 +144,7 @@ impl Scene {
     /// The next vertex of a walk from `from` along the unit vector `direction`: a surface, the environment's sphere, or
     /// nothing. Lenses are no obstacle.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn trace(&self, from: &Vertex, direction: DVec3) -> Option<Vertex> {
         let ray = Ray::new(from.position, direction);
         match self.accel.closest(&ray, from.primitive()) {
@@ -167,7 +167,7 @@ impl Scene {
         }
     }
 
-    #[inline]
+    #[inline(always)]
     fn surface_vertex(&self, ray: &Ray, hit: &Hit) -> Vertex {
         let (position, normal, shading_normal, shape) = if let Some(sphere) = self.accel.as_sphere(hit.primitive) {
             let normal = (ray.at(hit.t) - sphere.centre).normalize();
