@@ -15,6 +15,7 @@ use super::heuristic::Heuristic;
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
     given: BTreeMap<String, String>,
+    defaults: BTreeMap<String, String>,
     resolved: BTreeMap<String, String>,
 }
 
@@ -60,9 +61,9 @@ impl Settings {
         Ok(settings)
     }
 
-    /// Sets a value unless the user gave one.
+    /// Sets what applies where the user gave nothing. An integrator that does not know the setting need not care.
     pub fn set_default(&mut self, name: &str, value: impl Display) {
-        self.given.entry(name.into()).or_insert_with(|| value.to_string());
+        self.defaults.insert(name.into(), value.to_string());
     }
 
     /// The value of a setting, or `default`.
@@ -70,7 +71,7 @@ impl Settings {
     /// # Errors
     /// Where it does not parse; `expected` says what would.
     pub fn get<T: FromStr + Display>(&mut self, name: &str, default: T, expected: &str) -> Result<T, SettingsError> {
-        let value = match self.given.get(name) {
+        let value = match self.given.get(name).or_else(|| self.defaults.get(name)) {
             Some(text) => text.parse().map_err(|_| Self::wrong(name, text, expected))?,
             None => default,
         };
@@ -175,6 +176,15 @@ mod tests {
         let resolved = settings.finish().expect("all read");
         assert_eq!(resolved["exponent"], "3");
         assert_eq!(resolved["max_length"], "none");
+    }
+
+    #[test]
+    fn defaults_give_way_and_may_be_ignored() {
+        let mut settings = Settings::parse("max_length=3").unwrap();
+        settings.set_default("max_length", 7);
+        settings.set_default("never_read", 1);
+        assert_eq!(settings.max_length(), Ok(3));
+        assert!(settings.finish().is_ok());
     }
 
     #[test]
