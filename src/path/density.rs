@@ -42,7 +42,7 @@ impl Scene {
             return Wide::ZERO;
         }
         if (s, t) == (1, 1) {
-            return self.density_of_two(path);
+            return Wide::new(self.density_of_two(path.vertex(0), path.vertex(1)));
         }
         self.emitter_walk_density(path, s, rules.emitter) * self.sensor_walk_density(path, t, rules.sensor)
     }
@@ -62,23 +62,23 @@ impl Scene {
         }
     }
 
-    /// s = t = 1. The end that has a density of its own is drawn first, then the other for it.
-    fn density_of_two(&self, path: &Path) -> Wide {
-        let (x0, x1) = (path.vertex(0), path.vertex(1));
-        let edge = Edge::between(x0, x1);
-        let Some((id, emitter)) = x0.emitter().map(|id| (id, self.emitter(id))) else { return Wide::ZERO };
+    /// `p_{1,1}(x_0 x_1)`, with x_1 on the sensor: the end that has a density of its own is drawn first, then the other
+    /// for it. Zero where neither has.
+    #[must_use]
+    pub fn density_of_two(&self, x0: &Vertex, x1: &Vertex) -> f64 {
+        let Some((id, emitter)) = x0.emitter().map(|id| (id, self.emitter(id))) else { return 0.0 };
         let choice = self.emitter_probability(id).value();
-        let (first, second) = if emitter.is_local() {
-            let x0_density = emitter.emission_density(x0, edge.direction).position;
-            (x0_density, self.sensor().direct_density(x0, x1))
+        let edge = Edge::between(x0, x1);
+        if emitter.is_local() {
+            let position = emitter.emission_density(x0, edge.direction).position;
+            choice * position.value() * self.sensor().direct_density(x0, x1).value()
         } else if self.sensor().has_position() {
-            let back = Edge { direction: -edge.direction, ..edge };
-            let x1_density = self.sensor().density(back.direction).position;
-            (emitter.direct_density(self.accel(), x1, x0, &back), x1_density)
+            let back = edge.reversed();
+            let direct = emitter.direct_density(self.accel(), x1, x0, &back);
+            choice * direct.value() * self.sensor().density(back.direction).position.value()
         } else {
-            return Wide::ZERO;
-        };
-        Wide::new(choice) * first.value() * second.value()
+            0.0
+        }
     }
 
     /// Density of x_0 … x_{s−1}.
@@ -91,11 +91,11 @@ impl Scene {
         let Some(id) = x0.emitter() else { return Wide::ZERO };
         let choice = Wide::new(self.emitter_probability(id).value());
         if s == 1 {
-            let back = Edge { direction: -edge.direction, ..edge };
+            let back = edge.reversed();
             return choice * self.emitter(id).direct_density(self.accel(), x1, x0, &back).value();
         }
         let first = self.emitter(id).emission_density(x0, edge.direction);
-        let to_area = Jacobian::solid_angle_to_area(x1.abs_cos(edge.direction), edge.length_squared);
+        let to_area = edge.solid_angle_to_area(x1);
         let start = choice * first.position.value() * (first.direction * to_area).value();
         let vertices: Vec<(&Vertex, bool)> = (0..s).map(|i| (path.vertex(i), path.is_dirac(i))).collect();
         start * self.walk_density(&vertices, Side::Emitter, roulette)
@@ -113,7 +113,7 @@ impl Scene {
         }
         let edge = Edge::between(xk, before);
         let last = self.sensor().density(edge.direction);
-        let to_area = Jacobian::solid_angle_to_area(before.abs_cos(edge.direction), edge.length_squared);
+        let to_area = edge.solid_angle_to_area(before);
         let start = Wide::new(last.position.value()) * (last.direction * to_area).value();
         let vertices: Vec<(&Vertex, bool)> = (0..t).map(|i| (path.vertex(k - i), path.is_dirac(k - i))).collect();
         start * self.walk_density(&vertices, Side::Sensor, roulette)
@@ -151,7 +151,7 @@ impl Scene {
             (area, self.scatter_dirac(at, to_emitter, to_sensor) / density.value())
         } else {
             let density = self.scatter_density(at, from, to);
-            let area = density * Jacobian::solid_angle_to_area(cos_next, edge.length_squared);
+            let area = density * edge.solid_angle_to_area(next);
             (area, self.scatter(at, to_emitter, to_sensor) * (cos_at / density.value()))
         };
         let scale = match side {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use crate::measure::{Area, Jacobian, ProjectedSolidAngle, SolidAngle};
+use crate::measure::{Area, Jacobian, SolidAngle};
 use crate::scene::{EmitterId, MaterialId, PrimitiveId};
 
 /// A point that a path visits, relative to the scene's centre.
@@ -93,15 +93,7 @@ impl Vertex {
     #[inline]
     pub fn solid_angle_to_area(&self, next: &Self) -> Jacobian<SolidAngle, Area> {
         let edge = Edge::between(self, next);
-        Jacobian::solid_angle_to_area(next.abs_cos(edge.direction), edge.length_squared)
-    }
-
-    /// `dσ⊥_self / dA(next)`: the geometry factor `G` without its visibility.
-    #[must_use]
-    #[inline]
-    pub fn projected_to_area(&self, next: &Self) -> Jacobian<ProjectedSolidAngle, Area> {
-        let edge = Edge::between(self, next);
-        Jacobian::projected_to_area(self.abs_cos(edge.direction), next.abs_cos(edge.direction), edge.length_squared)
+        edge.solid_angle_to_area(next)
     }
 
     /// The unit direction to another vertex.
@@ -129,6 +121,20 @@ impl Edge {
         let offset = b.position - a.position;
         let length_squared = offset.length_squared();
         Self { direction: offset / length_squared.sqrt(), length_squared }
+    }
+
+    /// The same edge from its other end.
+    #[must_use]
+    #[inline]
+    pub fn reversed(&self) -> Self {
+        Self { direction: -self.direction, ..*self }
+    }
+
+    /// `dσ_start / dA(end)`: from directions at the edge's start to points at its end, which is given.
+    #[must_use]
+    #[inline]
+    pub fn solid_angle_to_area(&self, end: &Vertex) -> Jacobian<SolidAngle, Area> {
+        Jacobian::solid_angle_to_area(end.abs_cos(self.direction), self.length_squared)
     }
 
     /// `G = |cos θ_a cos θ_b| / ‖a−b‖²` \[1/m²\] without visibility.

@@ -8,7 +8,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use crate::measure::{Area, Density, Jacobian};
+use crate::measure::{Area, Density};
 use crate::path::{Edge, Vertex, VertexKind};
 use crate::warp;
 
@@ -201,7 +201,7 @@ impl Sensor {
             Kind::ThinLens { radius, .. } => lens_density(radius),
             Kind::Orthographic => {
                 let edge = Edge::between(from, xk);
-                Density::new(1.0) * Jacobian::solid_angle_to_area(xk.abs_cos(edge.direction), edge.length_squared)
+                Density::new(1.0) * edge.solid_angle_to_area(xk)
             }
         }
     }

@@ -10,7 +10,7 @@ use pathspace::scene::bsdf::Side;
 use pathspace::scene::sensor::Pixel;
 use pathspace::spectrum::Rgb;
 
-use crate::walk::{WalkVertex, solid_angle_to_area};
+use crate::walk::WalkVertex;
 use crate::weight::{Densities, VertexDensities};
 
 /// The walks of one sample, y from the emitter and z from the sensor, and where their paths go.
@@ -84,9 +84,9 @@ impl<S: Sink> Connector<'_, '_, S> {
         self.fill_sensor_walk(k, t);
         self.fill_emitter_end(id, &x0, &b.vertex, &edge);
         self.fill_sensor_end(k);
-        let back = Edge { direction: -edge.direction, ..edge };
+        let back = edge.reversed();
         let vertices = self.densities.vertices_mut();
-        vertices[0].sensor = (joint.across * solid_angle_to_area(&back, &x0)).value();
+        vertices[0].sensor = (joint.across * back.solid_angle_to_area(&x0)).value();
         vertices[2].emitter = joint.back.value();
         self.add(1, t, value, self.pixel, Some(x0));
     }
@@ -105,13 +105,13 @@ impl<S: Sink> Connector<'_, '_, S> {
             return;
         }
         let k = s + t - 1;
-        let back = Edge { direction: -edge.direction, ..edge };
+        let back = edge.reversed();
         self.densities.reset(k);
         self.fill_emitter_walk(k, s);
         self.fill_sensor_walk(k, t);
         let vertices = self.densities.vertices_mut();
-        vertices[s].emitter = (at_a.across * solid_angle_to_area(&edge, &b.vertex)).value();
-        vertices[s - 1].sensor = (at_b.across * solid_angle_to_area(&back, &a.vertex)).value();
+        vertices[s].emitter = (at_a.across * edge.solid_angle_to_area(&b.vertex)).value();
+        vertices[s - 1].sensor = (at_b.across * back.solid_angle_to_area(&a.vertex)).value();
         vertices[s - 2].sensor = at_a.back.value();
         vertices[s + 1].emitter = at_b.back.value();
         self.fill_emitter_end_of_walk();
@@ -137,7 +137,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         } else {
             return;
         };
-        let density = self.density_of_two(self.emitter, &x0, &xk);
+        let density = scene.density_of_two(&x0, &xk);
         let edge = Edge::between(&x0, &xk);
         let Some(importance) = sensor.importance(&xk, -edge.direction) else { return };
         let emission = emitter.emission(&x0, edge.direction);
@@ -181,7 +181,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         self.fill_emitter_walk(k, s);
         self.fill_film_end(&xk, &a.vertex, &edge);
         let vertices = self.densities.vertices_mut();
-        vertices[k].emitter = (joint.across * solid_angle_to_area(&edge, &xk)).value();
+        vertices[k].emitter = (joint.across * edge.solid_angle_to_area(&xk)).value();
         vertices[k - 2].sensor = joint.back.value();
         self.fill_emitter_end_of_walk();
         self.densities.direct_sensor = direct.density.value() / self.densities.vertices_mut()[k].sensor;
@@ -207,7 +207,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         vertices[k].emitter = onward.area_density(&a.vertex, &edge, &xk).value();
         if k == 1 {
             self.fill_emitter_end(self.emitter, &a.vertex, &xk, &edge);
-            self.densities.set_both_direct(self.density_of_two(self.emitter, &a.vertex, &xk));
+            self.densities.set_both_direct(scene.density_of_two(&a.vertex, &xk));
         } else {
             let reverse = self.reverse(&self.y[k - 2], 1);
             let vertices = self.densities.vertices_mut();
@@ -246,7 +246,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         let density = scene.scatter_density(&v.vertex, v.back, across);
         let reverse = scene.scatter_density(&v.vertex, across, v.back);
         let edge = Edge::between(&v.vertex, &before.vertex);
-        let back = reverse * solid_angle_to_area(&edge, &before.vertex);
+        let back = reverse * edge.solid_angle_to_area(&before.vertex);
         Some(Joint {
             value,
             across: density * survival(density, across, own_scale, edges),
@@ -285,7 +285,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         let position = scene.emitter_probability(id).value() * density.position;
         let vertices = self.densities.vertices_mut();
         vertices[0].emitter = position.value();
-        vertices[1].emitter = (density.direction * solid_angle_to_area(edge, x1)).value();
+        vertices[1].emitter = (density.direction * edge.solid_angle_to_area(x1)).value();
         self.fill_direct_light(id, x0, x1, edge);
     }
 
@@ -298,7 +298,7 @@ impl<S: Sink> Connector<'_, '_, S> {
     fn fill_direct_light(&mut self, id: EmitterId, x0: &Vertex, x1: &Vertex, edge: &Edge) {
         let scene = self.tracer.scene();
         let emitter = scene.emitter(id);
-        let back = Edge { direction: -edge.direction, ..*edge };
+        let back = edge.reversed();
         let direct = scene.emitter_probability(id).value() * emitter.direct_density(scene.accel(), x1, x0, &back);
         self.densities.direct_emitter = direct.value() / self.densities.vertices_mut()[0].emitter;
         self.densities.emitter_can_be_hit = emitter.can_be_hit();
@@ -308,8 +308,8 @@ impl<S: Sink> Connector<'_, '_, S> {
     fn fill_sensor_end(&mut self, k: usize) {
         let (xk, before) = (&self.z[0].vertex, &self.z[1].vertex);
         if k == 1 {
-            let id = before.emitter().expect("a path of one edge ends on an emitter");
-            self.densities.set_both_direct(self.density_of_two(id, before, xk));
+            let density = self.tracer.scene().density_of_two(before, xk);
+            self.densities.set_both_direct(density);
         } else {
             let direct = self.tracer.scene().sensor().direct_density(before, xk).value();
             self.densities.direct_sensor = direct / self.z[0].forward.value();
@@ -319,29 +319,12 @@ impl<S: Sink> Connector<'_, '_, S> {
     /// The sensor's densities of x_k and x_{k−1}, for an x_k that its walk has not drawn; `edge` leads from x_{k−1} to x_k.
     fn fill_film_end(&mut self, xk: &Vertex, before: &Vertex, edge: &Edge) {
         let density = self.tracer.scene().sensor().density(-edge.direction);
-        let back = Edge { direction: -edge.direction, ..*edge };
+        let back = edge.reversed();
         let vertices = self.densities.vertices_mut();
         let k = vertices.len() - 1;
         debug_assert!(xk.kind == VertexKind::Sensor, "the last vertex is on the sensor");
         vertices[k].sensor = density.position.value();
-        vertices[k - 1].sensor = (density.direction * solid_angle_to_area(&back, before)).value();
-    }
-
-    /// `p_{1,1}` of a path of one edge.
-    fn density_of_two(&self, id: EmitterId, x0: &Vertex, xk: &Vertex) -> f64 {
-        let scene = self.tracer.scene();
-        let (emitter, sensor) = (scene.emitter(id), scene.sensor());
-        let choice = scene.emitter_probability(id).value();
-        let edge = Edge::between(xk, x0);
-        if emitter.is_local() {
-            let position = emitter.emission_density(x0, -edge.direction).position;
-            choice * position.value() * sensor.direct_density(x0, xk).value()
-        } else if sensor.has_position() {
-            let direct = emitter.direct_density(scene.accel(), xk, x0, &edge);
-            choice * direct.value() * sensor.density(edge.direction).position.value()
-        } else {
-            0.0
-        }
+        vertices[k - 1].sensor = (density.direction * back.solid_angle_to_area(before)).value();
     }
 
     /// Adds the path of technique (s, t) whose unweighted estimate is `value`; `end` is the vertex that neither walk has.

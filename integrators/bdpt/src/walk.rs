@@ -47,7 +47,7 @@ impl Onward {
     /// The density of `next`, a point in this direction.
     pub fn area_density(&self, at: &Vertex, edge: &Edge, next: &Vertex) -> Density<Area> {
         match self.density {
-            LobeDensity::Finite(density) => density * solid_angle_to_area(edge, next),
+            LobeDensity::Finite(density) => density * edge.solid_angle_to_area(next),
             LobeDensity::Dirac(density) => {
                 let (cos_at, cos_next) = (at.abs_cos(edge.direction), next.abs_cos(edge.direction));
                 density * Jacobian::projected_to_area(cos_at, cos_next, edge.length_squared)
@@ -194,15 +194,9 @@ fn note_reverse(
         sample.value / density.value()
     } else {
         let density = scene.scatter_density(&at.vertex, sample.to, at.back);
-        before.reverse = density * solid_angle_to_area(&edge, &before.vertex);
+        before.reverse = density * edge.solid_angle_to_area(&before.vertex);
         sample.value * (cos_at / density.value())
     };
     let energy = if side == Side::Emitter { weight / scale } else { weight };
     before.reverse_survival = roulette.survival(u32::MAX, energy, energy);
-}
-
-/// From directions at the edge's start to points at its end.
-#[inline]
-pub(crate) fn solid_angle_to_area(edge: &Edge, end: &Vertex) -> Jacobian<pathspace::measure::SolidAngle, Area> {
-    Jacobian::solid_angle_to_area(end.abs_cos(edge.direction), edge.length_squared)
 }

@@ -8,7 +8,7 @@ use std::iter;
 
 use glam::DVec3;
 use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
-use pathspace::measure::{Area, Density, Jacobian, SolidAngle};
+use pathspace::measure::{Area, Density, SolidAngle};
 use pathspace::path::{Edge, Path, Roulette, Technique, Vertex};
 use pathspace::sampler::{Random, Tracer};
 use pathspace::scene::bsdf::{LobeDensity, Side};
@@ -146,7 +146,7 @@ impl LightTracer {
         let Some(importance) = sensor.importance(&xk, -edge.direction) else { return };
         let weight = if sensor.can_be_hit() {
             let by_chance = emitter.emission_density(&x0, edge.direction);
-            let by_chance = by_chance.position.value() * (by_chance.direction * to_area(&edge, &xk)).value();
+            let by_chance = by_chance.position.value() * (by_chance.direction * edge.solid_angle_to_area(&xk)).value();
             self.heuristic.weight(iter::empty(), iter::once(by_chance / density))
         } else {
             1.0
@@ -197,7 +197,7 @@ impl LightTracer {
         let Some(importance) = scene.sensor().importance(&xk, -departure.direction) else { return };
         let edge = Edge::between(x, &xk);
         let weight = departure.density.map_or(1.0, |density| {
-            let by_chance = (density * to_area(&edge, &xk)).value();
+            let by_chance = (density * edge.solid_angle_to_area(&xk)).value();
             let connected = self.connection_density(scene, x, &xk, edges);
             self.heuristic.weight(iter::once(connected / by_chance), iter::empty())
         });
@@ -242,7 +242,7 @@ impl LightTracer {
             let by_chance = scene.scatter_density(x, to_emitter, to_sensor);
             let local = scattered * (x.abs_cos(to_sensor) / by_chance.value());
             let survival = self.roulette.survival(edges, local, walk.energy * local);
-            let by_chance = by_chance * survival * to_area(&edge, &xk);
+            let by_chance = by_chance * survival * edge.solid_angle_to_area(&xk);
             self.heuristic.weight(iter::empty(), iter::once(by_chance / density))
         } else {
             1.0
@@ -280,10 +280,4 @@ impl LightTracer {
         };
         Some(Departure { from: *vertex, direction: scattered.to, density })
     }
-}
-
-/// From directions at the edge's start to points at its end.
-#[inline]
-fn to_area(edge: &Edge, end: &Vertex) -> Jacobian<SolidAngle, Area> {
-    Jacobian::solid_angle_to_area(end.abs_cos(edge.direction), edge.length_squared)
 }

@@ -7,7 +7,7 @@
 use std::iter;
 
 use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
-use pathspace::measure::{Area, Density, Jacobian, SolidAngle};
+use pathspace::measure::{Area, Density, SolidAngle};
 use pathspace::path::{Edge, Path, Roulette, Technique, Vertex};
 use pathspace::sampler::{Random, Tracer};
 use pathspace::scene::Scene;
@@ -116,7 +116,7 @@ impl PathTracer {
         }
         let weight = arrival.density.map_or(1.0, |density| {
             let edge = Edge::between(&arrival.from, x0);
-            let by_chance = density * to_area(&edge, x0);
+            let by_chance = density * edge.solid_angle_to_area(x0);
             let direct = self.direct_density(scene, &arrival.from, x0, &edge);
             self.heuristic.weight(iter::empty(), iter::once(direct / by_chance))
         });
@@ -155,7 +155,7 @@ impl PathTracer {
             let scale = scene.radiance_scale(x1, to_emitter, to_sensor);
             let local = scattered * (x1.abs_cos(to_emitter) / (by_chance.value() * scale));
             let survival = self.roulette.survival(edges, local, walk.energy * local);
-            let by_chance = by_chance * survival * to_area(&edge, &x0);
+            let by_chance = by_chance * survival * edge.solid_angle_to_area(&x0);
             self.heuristic.weight(iter::once(by_chance / density), iter::empty())
         } else {
             1.0
@@ -203,10 +203,4 @@ impl PathTracer {
         let Some(id) = x0.emitter() else { return Density::ZERO };
         scene.emitter_probability(id).value() * scene.emitter(id).direct_density(scene.accel(), x1, x0, edge)
     }
-}
-
-/// From directions at the edge's start to points at its end.
-#[inline]
-fn to_area(edge: &Edge, end: &Vertex) -> Jacobian<SolidAngle, Area> {
-    Jacobian::solid_angle_to_area(end.abs_cos(edge.direction), edge.length_squared)
 }

@@ -11,7 +11,7 @@ mod surface;
 
 use glam::DVec3;
 
-use crate::measure::{Area, Density, Jacobian, SolidAngle};
+use crate::measure::{Area, Density, SolidAngle};
 use crate::path::{Edge, Vertex, VertexKind};
 use crate::spectrum::Rgb;
 
@@ -134,7 +134,7 @@ impl Emitter {
     #[must_use]
     #[inline]
     pub fn direct_density(&self, accel: &Accel, x1: &Vertex, x0: &Vertex, edge: &Edge) -> Density<Area> {
-        let to_area = || Jacobian::solid_angle_to_area(x0.abs_cos(edge.direction), edge.length_squared);
+        let to_area = || edge.solid_angle_to_area(x0);
         match self {
             Self::Mesh(light) => light.direct_density(),
             Self::Sphere(light) => light.direct_density(accel, x1, x0, edge),

@@ -107,8 +107,7 @@ impl SphereEmitter {
     }
 
     pub(super) fn direct_density(&self, accel: &Accel, x1: &Vertex, x0: &Vertex, edge: &Edge) -> Density<Area> {
-        let to_area: Jacobian<SolidAngle, Area> =
-            Jacobian::solid_angle_to_area(x0.abs_cos(edge.direction), edge.length_squared);
+        let to_area: Jacobian<SolidAngle, Area> = edge.solid_angle_to_area(x0);
         // Only what faces x_1 lies first along its direction.
         match self.cone(accel, x1.position) {
             Some(cone) if x0.normal.dot(edge.direction) < 0.0 => {
