@@ -148,7 +148,7 @@ impl TileSink<'_> {
 impl Sink for TileSink<'_> {
     const RECORDS: bool = false;
 
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, term: Term, _path: impl FnOnce() -> Option<Path>) {
         let value = term.value;
         if !(value.is_finite() && value.min_component() >= 0.0) {

@@ -74,7 +74,7 @@ impl Scene {
             choice * position.value() * self.sensor().direct_density(x0, x1).value()
         } else if self.sensor().has_position() {
             let back = edge.reversed();
-            let direct = emitter.direct_density(self.accel(), x1, x0, &back);
+            let direct = emitter.direct_density(self.accel(), x1.position, x0, &back);
             choice * direct.value() * self.sensor().density(back.direction).position.value()
         } else {
             0.0
@@ -92,7 +92,7 @@ impl Scene {
         let choice = Wide::new(self.emitter_probability(id).value());
         if s == 1 {
             let back = edge.reversed();
-            return choice * self.emitter(id).direct_density(self.accel(), x1, x0, &back).value();
+            return choice * self.emitter(id).direct_density(self.accel(), x1.position, x0, &back).value();
         }
         let first = self.emitter(id).emission_density(x0, edge.direction);
         let to_area = edge.solid_angle_to_area(x1);
@@ -127,7 +127,7 @@ impl Scene {
             let (at, dirac) = walk[i];
             let Some(step) = self.step(side, walk[i - 1].0, at, walk[i + 1].0, dirac) else { return Wide::ZERO };
             throughput *= step.energy;
-            let survival = roulette.survival(i as u32, step.energy, throughput);
+            let survival = roulette.survival(i as u32, || step.energy, || throughput);
             throughput = throughput / survival;
             density = density * step.density.value() * survival;
         }

@@ -25,14 +25,15 @@ pub enum Roulette {
 }
 
 impl Roulette {
-    /// The probability of going on from a vertex that `edges` edges lead to. `local` is the weight of the scattering there
-    /// and `throughput` the product of the walk's weights up to and including it, both without the radiance's η².
+    /// The probability of going on from a vertex that `edges` edges lead to. `local` gives the weight of the scattering
+    /// there and `throughput` the product of the walk's weights up to and including it, both without the radiance's η²;
+    /// they are asked only where the answer depends on them.
     #[must_use]
-    #[inline]
-    pub fn survival(&self, edges: u32, local: Rgb, throughput: Rgb) -> f64 {
+    #[inline(always)]
+    pub fn survival(&self, edges: u32, local: impl FnOnce() -> Rgb, throughput: impl FnOnce() -> Rgb) -> f64 {
         match *self {
-            Self::Local { .. } if self.applies(edges) => local.max_component().min(1.0),
-            Self::Throughput { .. } if self.applies(edges) => throughput.max_component().min(0.95),
+            Self::Local { .. } if self.applies(edges) => local().max_component().min(1.0),
+            Self::Throughput { .. } if self.applies(edges) => throughput().max_component().min(0.95),
             _ => 1.0,
         }
     }

@@ -118,9 +118,16 @@ impl Edge {
     #[must_use]
     #[inline]
     pub fn between(a: &Vertex, b: &Vertex) -> Self {
-        let offset = b.position - a.position;
+        Self::from_to(a.position, b.position)
+    }
+
+    /// The same for bare points.
+    #[must_use]
+    #[inline]
+    pub fn from_to(a: DVec3, b: DVec3) -> Self {
+        let offset = b - a;
         let length_squared = offset.length_squared();
-        Self { direction: offset / length_squared.sqrt(), length_squared }
+        Self { direction: offset * (1.0 / length_squared.sqrt()), length_squared }
     }
 
     /// The same edge from its other end.

@@ -22,8 +22,9 @@ impl Random {
             // Streams are below 2³² (pixels); their top bit tells the two halves of the state apart.
             rand_philox::philox4x32_10([low(sample), high(sample), low(stream), high(stream) ^ (half << 31)], key)
         };
+        let ([a, b, c, d], [e, f, g, h]) = (block(0), block(1));
         let mut state = [0; 32];
-        for (bytes, word) in state.chunks_exact_mut(4).zip(block(0).into_iter().chain(block(1))) {
+        for (bytes, word) in state.chunks_exact_mut(4).zip([a, b, c, d, e, f, g, h]) {
             bytes.copy_from_slice(&word.to_le_bytes());
         }
         Self { sequence: Xoshiro256PlusPlus::from_seed(state) }

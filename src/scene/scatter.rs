@@ -11,7 +11,7 @@ use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::path::Vertex;
 use crate::spectrum::Rgb;
 
-use super::bsdf::{Bsdf, LobeDensity, Side};
+use super::bsdf::{LobeDensity, Side};
 use super::{Scene, SurfaceMaterial};
 
 /// The next direction of a walk.
@@ -35,7 +35,7 @@ impl Scattered {
 
     /// `f̄_s |cos θ| / p_σ` of the drawn direction: what the throughput of the walk is multiplied by.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn weight(&self, vertex: &Vertex) -> Rgb {
         match self.density {
             LobeDensity::Finite(density) => self.value * (vertex.abs_cos(self.to) / density.value()),
@@ -52,7 +52,7 @@ struct Sides {
 
 impl Sides {
     /// `None` where the surface absorbs: on the back of a one-sided one.
-    #[inline]
+    #[inline(always)]
     fn new(material: &SurfaceMaterial, vertex: &Vertex, from: DVec3) -> Option<Self> {
         let mut sides = Self { shading: vertex.shading_normal, geometric: vertex.normal };
         if material.two_sided && from.dot(vertex.normal) < 0.0 {
@@ -62,13 +62,13 @@ impl Sides {
     }
 
     /// Both normals have this direction on the same side.
-    #[inline]
+    #[inline(always)]
     fn agree(&self, direction: DVec3) -> bool {
         direction.dot(self.shading) * direction.dot(self.geometric) > 0.0
     }
 
     /// `|ω·N_s| / |ω·N_g|`.
-    #[inline]
+    #[inline(always)]
     fn ratio(&self, direction: DVec3) -> f64 {
         if self.shading == self.geometric {
             return 1.0;
@@ -80,42 +80,27 @@ impl Sides {
 impl Scene {
     /// `f̄_s(to_emitter → to_sensor)` \[1/sr\] of the finite lobes.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn scatter(&self, vertex: &Vertex, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
         let material = self.material_of(vertex);
         let Some(sides) = Sides::new(material, vertex, to_sensor).filter(|s| s.agree(to_emitter)) else {
             return Rgb::BLACK;
         };
-        let value = match &material.bsdf {
-            Bsdf::Diffuse(diffuse) => {
-                if to_emitter.dot(sides.geometric) <= 0.0 {
-                    return Rgb::BLACK;
-                }
-                diffuse.reflectance * std::f64::consts::FRAC_1_PI
-            }
-            bsdf => {
-                let frame = Frame::around(sides.shading);
-                bsdf.eval(frame.to_local(to_emitter), frame.to_local(to_sensor))
-            }
-        };
+        let frame = Frame::around(sides.shading);
+        let value = material.bsdf.eval(frame.to_local(to_emitter), frame.to_local(to_sensor));
         value * sides.ratio(to_emitter)
     }
 
     /// The density with which a walk that comes from `from` draws `to` by the finite lobes.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn scatter_density(&self, vertex: &Vertex, from: DVec3, to: DVec3) -> Density<SolidAngle> {
         let material = self.material_of(vertex);
         let Some(sides) = Sides::new(material, vertex, from).filter(|s| s.agree(to)) else {
             return Density::ZERO;
         };
-        match &material.bsdf {
-            Bsdf::Diffuse(_) => crate::warp::cosine_hemisphere_density(to.dot(sides.shading)),
-            bsdf => {
-                let frame = Frame::around(sides.shading);
-                bsdf.density(frame.to_local(from), frame.to_local(to))
-            }
-        }
+        let frame = Frame::around(sides.shading);
+        material.bsdf.density(frame.to_local(from), frame.to_local(to))
     }
 
     /// The coefficient of `δ_σ⊥` in `f̄_s` for a pair of directions joined by a Dirac lobe. Shading normals leave it as it is.
@@ -149,7 +134,7 @@ impl Scene {
 
     /// Draws the next direction of a walk that started on `side` and comes from `from`; `None` where it ends.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn sample_scatter(&self, vertex: &Vertex, side: Side, from: DVec3, u: [f64; 3]) -> Option<Scattered> {
         let material = self.material_of(vertex);
         let sides = Sides::new(material, vertex, from)?;
@@ -176,11 +161,7 @@ impl Scene {
     #[inline]
     pub fn radiance_scale(&self, vertex: &Vertex, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
         let material = self.material_of(vertex);
-        if !material.transmits {
-            return 1.0;
-        }
-        let frame = Frame::around(vertex.shading_normal);
-        material.bsdf.radiance_scale(frame.to_local(to_emitter), frame.to_local(to_sensor))
+        if material.transmits { refraction_scale(material, vertex.shading_normal, to_emitter, to_sensor) } else { 1.0 }
     }
 
     /// A connection to this vertex can succeed: it scatters by finite lobes too.
@@ -189,6 +170,12 @@ impl Scene {
     pub fn has_finite(&self, vertex: &Vertex) -> bool {
         self.material_of(vertex).bsdf.has_finite()
     }
+}
+
+#[inline(never)]
+fn refraction_scale(material: &SurfaceMaterial, normal: DVec3, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
+    let frame = Frame::around(normal);
+    material.bsdf.radiance_scale(frame.to_local(to_emitter), frame.to_local(to_sensor))
 }
 
 /// What shading normals do to the Dirac density of a walk from the emitter: the mirror of the shading normal preserves

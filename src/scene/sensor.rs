@@ -119,7 +119,7 @@ impl Sensor {
 
     /// Draws x_k and the direction of the last edge for a pixel. `u` is uniform in `[0, 1)⁴`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, pixel: Pixel, u: [f64; 4]) -> (Vertex, DVec3) {
         let raster = DVec2::new(f64::from(pixel.x) + u[0], f64::from(pixel.y) + u[1]);
         let size = DVec2::new(f64::from(self.film.width), f64::from(self.film.height));
@@ -176,6 +176,7 @@ impl Sensor {
 
     /// Draws x_k for a given x_{k−1} (technique t = 1); `None` where the sensor cannot see it. `u` is uniform in `[0, 1)²`.
     #[must_use]
+    #[inline(always)]
     pub fn sample_direct(&self, from: &Vertex, u: [f64; 2]) -> Option<DirectSample> {
         match self.kind {
             Kind::Pinhole => Some(DirectSample { vertex: self.vertex(self.position), density: Density::new(1.0) }),
@@ -208,6 +209,7 @@ impl Sensor {
 
     /// Where a light walk that leaves `from` along `direction` passes through the lens before `t_max`.
     #[must_use]
+    #[inline]
     pub fn crossing(&self, from: &Vertex, direction: DVec3, t_max: f64) -> Option<Vertex> {
         let Kind::ThinLens { radius, .. } = self.kind else { return None };
         let approach = -direction.dot(self.forward);
@@ -221,16 +223,19 @@ impl Sensor {
         (t > 0.0 && t < t_max && inside).then(|| self.vertex(position))
     }
 
+    #[inline]
     fn vertex(&self, position: DVec3) -> Vertex {
         let normal = if self.kind == Kind::Pinhole { DVec3::ZERO } else { self.forward };
         Vertex { position, normal, shading_normal: normal, kind: VertexKind::Sensor }
     }
 
+    #[inline]
     fn pixel_area(&self) -> f64 {
         let pixels = f64::from(self.film.width) * f64::from(self.film.height);
         4.0 * self.half_extent.x * self.half_extent.y / pixels
     }
 
+    #[inline]
     fn pixel_at(&self, image: DVec2) -> Option<Pixel> {
         let unit = (image / self.half_extent * DVec2::new(1.0, -1.0) + 1.0) * 0.5;
         let raster = unit * DVec2::new(f64::from(self.film.width), f64::from(self.film.height));

@@ -27,10 +27,8 @@ pub(crate) struct Connector<'a, 's, S> {
     pub sink: &'a mut S,
 }
 
-/// A vertex that scatters where two walks meet: what each walk does there, seen from both sides.
+/// A vertex that scatters where two walks meet: what each walk does there.
 struct Joint {
-    /// `f_s` from the emitter's to the sensor's side.
-    value: Rgb,
     /// Density of the direction across the new edge, for this vertex's own walk, its roulette included.
     across: Density<SolidAngle>,
     /// Density of the walk's vertex before, for the other walk coming across the new edge, its roulette included.
@@ -66,7 +64,9 @@ impl<S: Sink> Connector<'_, '_, S> {
         }
         let id = scene.choose_emitter(self.random.uniform());
         let emitter = scene.emitter(id);
-        let Some(direct) = emitter.sample_direct(scene.accel(), &b.vertex, self.random.uniform3()) else { return };
+        let Some(direct) = emitter.sample_direct(scene.accel(), b.vertex.position, self.random.uniform3()) else {
+            return;
+        };
         let x0 = direct.vertex;
         let edge = Edge::between(&x0, &b.vertex);
         let emission = emitter.emission(&x0, edge.direction);
@@ -74,12 +74,13 @@ impl<S: Sink> Connector<'_, '_, S> {
             return;
         }
         let k = t;
-        let Some(joint) = self.joint(b, &self.z[t - 2], -edge.direction, t - 1, 1, Side::Sensor) else { return };
+        let Some(scattered) = self.bend(b, -edge.direction, Side::Sensor) else { return };
         let density = scene.emitter_probability(id).value() * direct.density;
-        let value = b.throughput * joint.value * emission * (edge.geometry(&x0, &b.vertex) / density.value());
+        let value = b.throughput * scattered * emission * (edge.geometry(&x0, &b.vertex) / density.value());
         if value.is_black() || !self.tracer.visible(&x0, &b.vertex) {
             return;
         }
+        let joint = self.joint(b, scattered, -edge.direction, t - 1, 1, Side::Sensor);
         self.densities.reset(k);
         self.fill_sensor_walk(k, t);
         self.fill_emitter_end(id, &x0, &b.vertex, &edge);
@@ -98,12 +99,14 @@ impl<S: Sink> Connector<'_, '_, S> {
             return;
         }
         let edge = Edge::between(&a.vertex, &b.vertex);
-        let Some(at_a) = self.joint(a, &self.y[s - 2], edge.direction, s - 1, t, Side::Emitter) else { return };
-        let Some(at_b) = self.joint(b, &self.z[t - 2], -edge.direction, t - 1, s, Side::Sensor) else { return };
-        let value = a.throughput * at_a.value * at_b.value * b.throughput * edge.geometry(&a.vertex, &b.vertex);
+        let Some(value_a) = self.bend(a, edge.direction, Side::Emitter) else { return };
+        let Some(value_b) = self.bend(b, -edge.direction, Side::Sensor) else { return };
+        let value = a.throughput * value_a * value_b * b.throughput * edge.geometry(&a.vertex, &b.vertex);
         if value.is_black() || !self.tracer.visible(&a.vertex, &b.vertex) {
             return;
         }
+        let at_a = self.joint(a, value_a, edge.direction, s - 1, t, Side::Emitter);
+        let at_b = self.joint(b, value_b, -edge.direction, t - 1, s, Side::Sensor);
         let k = s + t - 1;
         let back = edge.reversed();
         self.densities.reset(k);
@@ -132,7 +135,9 @@ impl<S: Sink> Connector<'_, '_, S> {
             (x0, direct.vertex)
         } else if sensor.has_position() {
             let (xk, _) = sensor.sample(Pixel { x: 0, y: 0 }, self.random.uniform4());
-            let Some(direct) = emitter.sample_direct(scene.accel(), &xk, self.random.uniform3()) else { return };
+            let Some(direct) = emitter.sample_direct(scene.accel(), xk.position, self.random.uniform3()) else {
+                return;
+            };
             (direct.vertex, xk)
         } else {
             return;
@@ -170,12 +175,13 @@ impl<S: Sink> Connector<'_, '_, S> {
         let xk = direct.vertex;
         let edge = Edge::between(&a.vertex, &xk);
         let Some(importance) = scene.sensor().importance(&xk, -edge.direction) else { return };
-        let Some(joint) = self.joint(a, &self.y[s - 2], edge.direction, s - 1, 1, Side::Emitter) else { return };
+        let Some(scattered) = self.bend(a, edge.direction, Side::Emitter) else { return };
         let value =
-            a.throughput * joint.value * (edge.geometry(&a.vertex, &xk) * importance.value / direct.density.value());
+            a.throughput * scattered * (edge.geometry(&a.vertex, &xk) * importance.value / direct.density.value());
         if value.is_black() || !self.tracer.visible(&a.vertex, &xk) {
             return;
         }
+        let joint = self.joint(a, scattered, edge.direction, s - 1, 1, Side::Emitter);
         let k = s;
         self.densities.reset(k);
         self.fill_emitter_walk(k, s);
@@ -220,38 +226,40 @@ impl<S: Sink> Connector<'_, '_, S> {
         self.add(s, 0, onward.throughput * importance.value, importance.pixel, Some(xk));
     }
 
-    /// What the walk that came to `v` from `before` does there if it goes on across a new edge, and what the other walk
-    /// does that comes from there; `edges` and `other_edges` are the edges that they have behind them at `v`.
-    fn joint(
-        &self,
-        v: &WalkVertex,
-        before: &WalkVertex,
-        across: DVec3,
-        edges: usize,
-        other_edges: usize,
-        side: Side,
-    ) -> Option<Joint> {
-        let scene = self.tracer.scene();
+    /// `f_s` where the walk that came to `v` from `side` goes on across a new edge; nothing where that is black.
+    #[inline(always)]
+    fn bend(&self, v: &WalkVertex, across: DVec3, side: Side) -> Option<Rgb> {
         let (to_emitter, to_sensor) = side.by_role(v.back, across);
-        let value = scene.scatter(&v.vertex, to_emitter, to_sensor);
-        if value.is_black() {
-            return None;
-        }
-        let scale = scene.radiance_scale(&v.vertex, to_emitter, to_sensor);
-        let (own_scale, other_scale) = if side == Side::Sensor { (scale, 1.0) } else { (1.0, scale) };
-        let survival = |density: Density<SolidAngle>, to: DVec3, scale: f64, edges: usize| {
-            let energy = value * (v.vertex.abs_cos(to) / (density.value() * scale));
+        let value = self.tracer.scene().scatter(&v.vertex, to_emitter, to_sensor);
+        (!value.is_black()).then_some(value)
+    }
+
+    /// The densities at a vertex where [`bend`](Self::bend) is `value`: what its walk does across the new edge, and what the
+    /// other walk does that comes from there; `edges` and `other_edges` are the edges that they have behind them.
+    #[inline(always)]
+    fn joint(&self, v: &WalkVertex, value: Rgb, across: DVec3, edges: usize, other_edges: usize, side: Side) -> Joint {
+        let scene = self.tracer.scene();
+        let scale = || {
+            let (to_emitter, to_sensor) = side.by_role(v.back, across);
+            scene.radiance_scale(&v.vertex, to_emitter, to_sensor)
+        };
+        let survival = |density: Density<SolidAngle>, to: DVec3, walk: Side, edges: usize| {
+            let energy = || {
+                let scale = if walk == Side::Sensor { scale() } else { 1.0 };
+                value * (v.vertex.abs_cos(to) / (density.value() * scale))
+            };
             self.roulette.survival(edges as u32, energy, energy)
+        };
+        let other = match side {
+            Side::Sensor => Side::Emitter,
+            Side::Emitter => Side::Sensor,
         };
         let density = scene.scatter_density(&v.vertex, v.back, across);
         let reverse = scene.scatter_density(&v.vertex, across, v.back);
-        let edge = Edge::between(&v.vertex, &before.vertex);
-        let back = reverse * edge.solid_angle_to_area(&before.vertex);
-        Some(Joint {
-            value,
-            across: density * survival(density, across, own_scale, edges),
-            back: back * survival(reverse, v.back, other_scale, other_edges),
-        })
+        Joint {
+            across: density * survival(density, across, side, edges),
+            back: reverse * v.back_to_area * survival(reverse, v.back, other, other_edges),
+        }
     }
 
     /// The density of a walk's vertex, for the walk from the other end that has `edges` edges behind it one vertex earlier.
@@ -299,7 +307,8 @@ impl<S: Sink> Connector<'_, '_, S> {
         let scene = self.tracer.scene();
         let emitter = scene.emitter(id);
         let back = edge.reversed();
-        let direct = scene.emitter_probability(id).value() * emitter.direct_density(scene.accel(), x1, x0, &back);
+        let direct =
+            scene.emitter_probability(id).value() * emitter.direct_density(scene.accel(), x1.position, x0, &back);
         self.densities.direct_emitter = direct.value() / self.densities.vertices_mut()[0].emitter;
         self.densities.emitter_can_be_hit = emitter.can_be_hit();
     }

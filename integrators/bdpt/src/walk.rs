@@ -1,7 +1,7 @@
 //! The two walks: sequences of vertices with the densities of both directions.
 
 use glam::DVec3;
-use pathspace::measure::{Area, Density, Jacobian};
+use pathspace::measure::{Area, Density, Jacobian, SolidAngle};
 use pathspace::path::{Edge, Roulette, Vertex};
 use pathspace::sampler::{Random, Tracer};
 use pathspace::scene::bsdf::{LobeDensity, Side};
@@ -17,6 +17,8 @@ pub(crate) struct WalkVertex {
     pub back: DVec3,
     /// f/p of the walk up to here.
     pub throughput: Rgb,
+    /// `dσ / dA` from here to the walk's vertex before.
+    pub back_to_area: Jacobian<SolidAngle, Area>,
     /// Density of this vertex in this walk, roulette included.
     pub forward: Density<Area>,
     /// Density of this vertex in a walk from the other end that comes through the next two, without roulette.
@@ -57,11 +59,13 @@ impl Onward {
 }
 
 impl WalkVertex {
+    #[inline]
     fn new(scene: &Scene, vertex: Vertex, back: DVec3, throughput: Rgb, forward: Density<Area>) -> Self {
         let connects = !vertex.scatters() || scene.has_finite(&vertex);
         Self {
             vertex,
             back,
+            back_to_area: Jacobian::solid_angle_to_area(0.0, 1.0),
             throughput,
             forward,
             reverse: Density::ZERO,
@@ -143,12 +147,20 @@ fn extend(
     while walk.len() < limits.vertices || limits.look_on {
         let last = walk.len() - 1;
         let at = walk[last].vertex;
-        let next = tracer.trace(&at, step.direction);
-        step.length = next.map_or(f64::INFINITY, |next| (next.position - at.position).length());
+        let Some(next) = tracer.trace(&at, step.direction) else {
+            walk[last].onward = Some(step);
+            return;
+        };
+        let edge = Edge::between(&at, &next);
+        step.length = edge.length_squared.sqrt();
         walk[last].onward = Some(step);
-        let Some(next) = next.filter(|_| walk.len() < limits.vertices) else { return };
-        let forward = step.area_density(&at, &Edge::between(&at, &next), &next);
-        walk.push(WalkVertex::new(scene, next, -step.direction, step.throughput, forward));
+        if walk.len() == limits.vertices {
+            return;
+        }
+        let forward = step.area_density(&at, &edge, &next);
+        let mut vertex = WalkVertex::new(scene, next, -step.direction, step.throughput, forward);
+        vertex.back_to_area = edge.reversed().solid_angle_to_area(&at);
+        walk.push(vertex);
         if !next.scatters() || (walk.len() == limits.vertices && !limits.look_on) {
             return;
         }
@@ -156,7 +168,7 @@ fn extend(
         let weight = sample.weight(&next);
         let (to_emitter, to_sensor) = side.by_role(-step.direction, sample.to);
         let scale = scene.radiance_scale(&next, to_emitter, to_sensor);
-        let energy = if side == Side::Sensor { weight / scale } else { weight };
+        let energy = || if side == Side::Sensor { weight / scale } else { weight };
         let edges = walk.len() as u32 - 1;
         let survival = limits.roulette.survival(edges, energy, energy);
         if survival <= 0.0 || (survival < 1.0 && random.uniform() >= survival) {
@@ -167,7 +179,7 @@ fn extend(
             LobeDensity::Finite(density) => LobeDensity::Finite(density * survival),
             LobeDensity::Dirac(density) => LobeDensity::Dirac(density * survival),
         };
-        step = onward(sample.to, step.throughput * weight / survival, density);
+        step = onward(sample.to, step.throughput * weight * (1.0 / survival), density);
     }
 }
 
@@ -182,21 +194,20 @@ fn note_reverse(
 ) {
     let [.., before, at] = walk else { return };
     at.dirac = sample.is_dirac();
-    let edge = Edge::between(&at.vertex, &before.vertex);
-    let (cos_at, cos_before) = (at.vertex.abs_cos(edge.direction), before.vertex.abs_cos(edge.direction));
+    let cos_at = at.vertex.abs_cos(at.back);
     let weight = if at.dirac {
         let other = match side {
             Side::Sensor => Side::Emitter,
             Side::Emitter => Side::Sensor,
         };
         let density = scene.scatter_dirac_density(&at.vertex, other, sample.to, at.back);
-        before.reverse = density * Jacobian::projected_to_area(cos_at, cos_before, edge.length_squared);
+        before.reverse = density * Jacobian::projected_to_solid_angle(cos_at) * at.back_to_area;
         sample.value / density.value()
     } else {
         let density = scene.scatter_density(&at.vertex, sample.to, at.back);
-        before.reverse = density * edge.solid_angle_to_area(&before.vertex);
+        before.reverse = density * at.back_to_area;
         sample.value * (cos_at / density.value())
     };
-    let energy = if side == Side::Emitter { weight / scale } else { weight };
+    let energy = || if side == Side::Emitter { weight / scale } else { weight };
     before.reverse_survival = roulette.survival(u32::MAX, energy, energy);
 }

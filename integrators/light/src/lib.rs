@@ -63,10 +63,11 @@ struct Walk<'a, S> {
 
 impl<S: Sink> Walk<'_, S> {
     /// Adds the path that ends with `rest` (nearest to the walk first), if a pixel sees it.
-    fn add(&mut self, technique: Technique, pixel: Pixel, value: Rgb, weight: f64, rest: &[Vertex]) {
+    #[inline(always)]
+    fn add<const N: usize>(&mut self, technique: Technique, pixel: Pixel, value: Rgb, weight: f64, rest: [Vertex; N]) {
         let history = &self.history;
         self.sink.add(Term { pixel, value: value * (weight / self.count), technique, weight }, || {
-            Path::new(history.iter().copied().chain(rest.iter().map(|v| (*v, false))))
+            Path::new(history.iter().copied().chain(rest.map(|v| (v, false))))
         });
     }
 }
@@ -109,8 +110,10 @@ impl Estimator for LightTracer {
             if scene.has_finite(&vertex) {
                 self.add_connection(tracer, random, &mut walk, &departure, &vertex, edges);
             }
-            let Some(next) = self.scatter(scene, random, &mut walk, &departure, &vertex, edges) else { return };
-            departure = next;
+            let Some((direction, density)) = self.scatter(scene, random, &mut walk, &departure, &vertex, edges) else {
+                return;
+            };
+            departure = Departure { from: vertex, direction, density };
         }
     }
 }
@@ -137,7 +140,7 @@ impl LightTracer {
             (*x0, direct.vertex, position.value() * direct.density.value())
         } else if sensor.has_position() {
             let (xk, along) = sensor.sample(Pixel { x: 0, y: 0 }, random.uniform4());
-            let Some(direct) = emitter.sample_direct(scene.accel(), &xk, random.uniform3()) else { return };
+            let Some(direct) = emitter.sample_direct(scene.accel(), xk.position, random.uniform3()) else { return };
             (direct.vertex, xk, sensor.density(along).position.value() * direct.density.value())
         } else {
             return;
@@ -156,7 +159,7 @@ impl LightTracer {
             * (edge.geometry(&x0, &xk) * importance.value / density);
         if !value.is_black() && tracer.visible(&x0, &xk) {
             let rest = [x0, xk];
-            walk.add(Technique { s: 1, t: 1 }, importance.pixel, value, weight, &rest);
+            walk.add(Technique { s: 1, t: 1 }, importance.pixel, value, weight, rest);
         }
     }
 
@@ -202,7 +205,7 @@ impl LightTracer {
             self.heuristic.weight(iter::once(connected / by_chance), iter::empty())
         });
         let technique = Technique { s: edges + 1, t: 0 };
-        walk.add(technique, importance.pixel, walk.throughput * importance.value, weight, &[xk]);
+        walk.add(technique, importance.pixel, walk.throughput * importance.value, weight, [xk]);
     }
 
     /// The density of t = 1 for the last vertex, relative to the walk's own up to the one before.
@@ -214,7 +217,7 @@ impl LightTracer {
         let edge = Edge::between(xk, x);
         let walk = emitter.emission_density(x, -edge.direction).position.value();
         let position = scene.sensor().density(edge.direction).position.value();
-        position * emitter.direct_density(scene.accel(), xk, x, &edge).value() / walk
+        position * emitter.direct_density(scene.accel(), xk.position, x, &edge).value() / walk
     }
 
     /// t = 1: a point of the sensor is drawn for the walk's vertex.
@@ -240,8 +243,8 @@ impl LightTracer {
         let density: Density<Area> = direct.density;
         let weight = if scene.sensor().can_be_hit() {
             let by_chance = scene.scatter_density(x, to_emitter, to_sensor);
-            let local = scattered * (x.abs_cos(to_sensor) / by_chance.value());
-            let survival = self.roulette.survival(edges, local, walk.energy * local);
+            let local = || scattered * (x.abs_cos(to_sensor) / by_chance.value());
+            let survival = self.roulette.survival(edges, local, || walk.energy * local());
             let by_chance = by_chance * survival * edge.solid_angle_to_area(&xk);
             self.heuristic.weight(iter::empty(), iter::once(by_chance / density))
         } else {
@@ -249,11 +252,11 @@ impl LightTracer {
         };
         let value = walk.throughput * scattered * (edge.geometry(x, &xk) * importance.value / density.value());
         if !value.is_black() && tracer.visible(x, &xk) {
-            walk.add(Technique { s: edges + 1, t: 1 }, importance.pixel, value, weight, &[*x, xk]);
+            walk.add(Technique { s: edges + 1, t: 1 }, importance.pixel, value, weight, [*x, xk]);
         }
     }
 
-    /// Draws the walk's next direction, and whether there is one.
+    /// Draws the walk's next direction with its density, and whether there is one.
     fn scatter<S: Sink>(
         &self,
         scene: &Scene,
@@ -262,10 +265,10 @@ impl LightTracer {
         departure: &Departure,
         vertex: &Vertex,
         edges: u32,
-    ) -> Option<Departure> {
+    ) -> Option<(DVec3, Option<Density<SolidAngle>>)> {
         let scattered = scene.sample_scatter(vertex, Side::Emitter, -departure.direction, random.uniform3())?;
         let local = scattered.weight(vertex);
-        let survival = self.roulette.survival(edges, local, walk.energy * local);
+        let survival = self.roulette.survival(edges, || local, || walk.energy * local);
         if survival <= 0.0 || (survival < 1.0 && random.uniform() >= survival) {
             return None;
         }
@@ -278,6 +281,6 @@ impl LightTracer {
             LobeDensity::Finite(density) => Some(density * survival),
             LobeDensity::Dirac(_) => None,
         };
-        Some(Departure { from: *vertex, direction: scattered.to, density })
+        Some((scattered.to, density))
     }
 }

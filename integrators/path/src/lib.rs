@@ -6,6 +6,7 @@
 
 use std::iter;
 
+use glam::DVec3;
 use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
 use pathspace::measure::{Area, Density, SolidAngle};
 use pathspace::path::{Edge, Path, Roulette, Technique, Vertex};
@@ -52,8 +53,8 @@ struct Walk<'a, S> {
     pixel: Pixel,
     /// f/p of the walk so far.
     throughput: Rgb,
-    /// The same without the radiance's η², for roulette.
-    energy: Rgb,
+    /// The radiance's η² in it, which roulette is not to see.
+    scale: f64,
     /// x_k … with their Dirac marks, where the sink records.
     history: Vec<(Vertex, bool)>,
     sink: &'a mut S,
@@ -61,11 +62,12 @@ struct Walk<'a, S> {
 
 impl<S: Sink> Walk<'_, S> {
     /// Adds the path that ends with `rest` (nearest to the walk first).
-    fn add(&mut self, value: Rgb, edges: u32, s: u32, weight: f64, rest: &[Vertex]) {
+    #[inline(always)]
+    fn add<const N: usize>(&mut self, value: Rgb, edges: u32, s: u32, weight: f64, rest: [Vertex; N]) {
         let technique = Technique { s, t: edges + 1 - s };
         let history = &self.history;
         self.sink.add(Term { pixel: self.pixel, value, technique, weight }, || {
-            let rest = rest.iter().rev().map(|v| (*v, false));
+            let rest = rest.into_iter().rev().map(|v| (v, false));
             Path::new(rest.chain(history.iter().rev().copied()))
         });
     }
@@ -74,7 +76,7 @@ impl<S: Sink> Walk<'_, S> {
 /// How the walk came to its present vertex.
 struct Arrival {
     from: Vertex,
-    direction: glam::DVec3,
+    direction: DVec3,
     /// Density of that direction with roulette; `None` where next-event estimation could not have drawn the vertex.
     density: Option<Density<SolidAngle>>,
 }
@@ -85,7 +87,7 @@ impl Estimator for PathTracer {
     fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
         let scene = tracer.scene();
         let (xk, direction) = scene.sensor().sample(pixel, random.uniform4());
-        let mut walk = Walk { pixel, throughput: Rgb::WHITE, energy: Rgb::WHITE, history: Vec::new(), sink };
+        let mut walk = Walk { pixel, throughput: Rgb::WHITE, scale: 1.0, history: Vec::new(), sink };
         if S::RECORDS {
             walk.history.push((xk, false));
         }
@@ -99,8 +101,10 @@ impl Estimator for PathTracer {
             if scene.has_finite(&vertex) {
                 self.add_direct_light(tracer, random, &mut walk, &arrival, &vertex, edges);
             }
-            let Some(next) = self.scatter(scene, random, &mut walk, &arrival, &vertex, edges) else { return };
-            arrival = next;
+            let Some((direction, density)) = self.scatter(scene, random, &mut walk, &arrival, &vertex, edges) else {
+                return;
+            };
+            arrival = Arrival { from: vertex, direction, density };
         }
     }
 }
@@ -120,7 +124,7 @@ impl PathTracer {
             let direct = self.direct_density(scene, &arrival.from, x0, &edge);
             self.heuristic.weight(iter::empty(), iter::once(direct / by_chance))
         });
-        walk.add(walk.throughput * emission * weight, edges, 0, weight, &[*x0]);
+        walk.add(walk.throughput * emission * weight, edges, 0, weight, [*x0]);
     }
 
     /// s = 1: an emitter's point is drawn for the walk's vertex.
@@ -137,7 +141,7 @@ impl PathTracer {
         let scene = tracer.scene();
         let id = scene.choose_emitter(random.uniform());
         let emitter = scene.emitter(id);
-        let Some(direct) = emitter.sample_direct(scene.accel(), x1, random.uniform3()) else { return };
+        let Some(direct) = emitter.sample_direct(scene.accel(), x1.position, random.uniform3()) else { return };
         let x0 = direct.vertex;
         let edge = Edge::between(x1, &x0);
         let emission = emitter.emission(&x0, -edge.direction);
@@ -152,9 +156,10 @@ impl PathTracer {
         let density = scene.emitter_probability(id).value() * direct.density;
         let weight = if emitter.can_be_hit() {
             let by_chance = scene.scatter_density(x1, to_sensor, to_emitter);
-            let scale = scene.radiance_scale(x1, to_emitter, to_sensor);
-            let local = scattered * (x1.abs_cos(to_emitter) / (by_chance.value() * scale));
-            let survival = self.roulette.survival(edges, local, walk.energy * local);
+            let weight = || scattered * (x1.abs_cos(to_emitter) / by_chance.value());
+            let scale = || scene.radiance_scale(x1, to_emitter, to_sensor);
+            let local = || weight() / scale();
+            let survival = self.roulette.survival(edges, local, || walk.throughput * weight() / (walk.scale * scale()));
             let by_chance = by_chance * survival * edge.solid_angle_to_area(&x0);
             self.heuristic.weight(iter::once(by_chance / density), iter::empty())
         } else {
@@ -162,11 +167,11 @@ impl PathTracer {
         };
         let value = walk.throughput * scattered * emission * (edge.geometry(x1, &x0) * weight / density.value());
         if !value.is_black() && tracer.visible(x1, &x0) {
-            walk.add(value, edges + 1, 1, weight, &[*x1, x0]);
+            walk.add(value, edges + 1, 1, weight, [*x1, x0]);
         }
     }
 
-    /// Draws the walk's next direction, and whether there is one.
+    /// Draws the walk's next direction with its density, and whether there is one.
     #[inline]
     fn scatter<S: Sink>(
         &self,
@@ -176,17 +181,20 @@ impl PathTracer {
         arrival: &Arrival,
         vertex: &Vertex,
         edges: u32,
-    ) -> Option<Arrival> {
+    ) -> Option<(DVec3, Option<Density<SolidAngle>>)> {
         let to_sensor = -arrival.direction;
         let scattered = scene.sample_scatter(vertex, Side::Sensor, to_sensor, random.uniform3())?;
         let weight = scattered.weight(vertex);
-        let local = weight / scene.radiance_scale(vertex, scattered.to, to_sensor);
-        let survival = self.roulette.survival(edges, local, walk.energy * local);
-        if survival <= 0.0 || (survival < 1.0 && random.uniform() >= survival) {
-            return None;
+        let scale = scene.radiance_scale(vertex, scattered.to, to_sensor);
+        walk.throughput *= weight;
+        walk.scale *= scale;
+        let survival = self.roulette.survival(edges, || weight / scale, || walk.throughput / walk.scale);
+        if survival < 1.0 {
+            if random.uniform() >= survival {
+                return None;
+            }
+            walk.throughput *= 1.0 / survival;
         }
-        walk.throughput *= weight / survival;
-        walk.energy *= local / survival;
         if S::RECORDS {
             walk.history.push((*vertex, scattered.is_dirac()));
         }
@@ -194,13 +202,13 @@ impl PathTracer {
             LobeDensity::Finite(density) => Some(density * survival),
             LobeDensity::Dirac(_) => None,
         };
-        Some(Arrival { from: *vertex, direction: scattered.to, density })
+        Some((scattered.to, density))
     }
 
     /// The density with which next-event estimation draws x_0 for x_1.
     #[inline]
     fn direct_density(&self, scene: &Scene, x1: &Vertex, x0: &Vertex, edge: &Edge) -> Density<Area> {
         let Some(id) = x0.emitter() else { return Density::ZERO };
-        scene.emitter_probability(id).value() * scene.emitter(id).direct_density(scene.accel(), x1, x0, edge)
+        scene.emitter_probability(id).value() * scene.emitter(id).direct_density(scene.accel(), x1.position, x0, edge)
     }
 }

@@ -65,7 +65,7 @@ impl Estimator for BsdfPathTracer {
             let weight = next.weight(&vertex);
             let local = weight / scene.radiance_scale(&vertex, next.to, -direction);
             energy *= local;
-            let survival = self.roulette.survival(edges, local, energy);
+            let survival = self.roulette.survival(edges, || local, || energy);
             if survival <= 0.0 || (survival < 1.0 && random.uniform() >= survival) {
                 return;
             }

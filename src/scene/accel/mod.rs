@@ -10,12 +10,12 @@ mod triangle;
 
 use glam::DVec3;
 
-use crate::geometry::Ray;
+use crate::geometry::{Bounds, Ray};
 
 pub use sphere::SphereShape;
 use tree::Tree;
 pub use triangle::Triangle;
-use triangle::{Block, LANES, ShearedRay};
+use triangle::{Block, LANES, Line, ShearedRay, TriangleHit};
 
 /// A triangle or an analytic sphere of the scene: triangles first, in the order of the BVH's leaves, then spheres.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -37,9 +37,19 @@ pub struct Hit {
     pub barycentric: [f64; 2],
 }
 
+/// Up to so many triangles there is no tree: asking all of them is faster.
+const FEW_TRIANGLES: usize = 64;
+/// The same for spheres.
+const FEW_SPHERES: usize = 4;
+
+/// Spheres in a leaf of their tree.
+const SPHERES: usize = 4;
+
 /// The primitives of a scene and the hierarchies above them.
 #[derive(Debug)]
 pub struct Accel {
+    /// Bounds the distance of the triangles' corners to the origin.
+    extent: f64,
     /// One for each leaf of the triangles' tree. A triangle's id is the number of its lane among all lanes.
     blocks: Vec<Block>,
     /// The shapes of the triangles, by id; of unused lanes, none.
@@ -49,8 +59,9 @@ pub struct Accel {
     spheres: Vec<SphereShape>,
     /// The spheres of each leaf of their tree.
     sphere_ranges: Vec<std::ops::Range<usize>>,
-    triangle_tree: Tree,
-    sphere_tree: Tree,
+    /// None where there are few.
+    triangle_tree: Option<Tree>,
+    sphere_tree: Option<Tree>,
 }
 
 impl Accel {
@@ -60,11 +71,12 @@ impl Accel {
     pub fn build(triangles: &[Triangle], spheres: &[SphereShape], radius: f64) -> (Self, Vec<Option<u32>>) {
         // Rounding of a ray to f32 moves it by less than 2⁻²² of the scene's size anywhere inside it.
         let pad = radius * f64::powi(2.0, -19);
-        let (triangle_tree, leaves) = Tree::build(triangles.iter().map(Triangle::bounds), pad);
+        let (triangle_tree, leaves) = tree_of_many(triangles.iter().map(Triangle::bounds), pad, LANES, FEW_TRIANGLES);
         let blocks = leaves.iter().map(|leaf| Block::new(leaf.iter().map(|&i| triangles[i as usize]))).collect();
         let lanes = |leaf: &Vec<u32>| (0..LANES).map(|i| leaf.get(i).copied()).collect::<Vec<_>>();
         let slots: Vec<Option<u32>> = leaves.iter().flat_map(lanes).collect();
-        let (sphere_tree, sphere_leaves) = Tree::build(spheres.iter().map(SphereShape::bounds), pad);
+        let (sphere_tree, sphere_leaves) =
+            tree_of_many(spheres.iter().map(SphereShape::bounds), pad, SPHERES, FEW_SPHERES);
         let mut ordered_spheres = Vec::new();
         let sphere_ranges = (sphere_leaves.iter())
             .map(|leaf| {
@@ -74,6 +86,7 @@ impl Accel {
             })
             .collect();
         let accel = Self {
+            extent: triangles.iter().flat_map(Triangle::corners).map(DVec3::length).fold(0.0, f64::max),
             blocks,
             triangle_normals: (slots.iter())
                 .map(|i| i.map_or(DVec3::ZERO, |i| triangles[i as usize].area_vector().normalize()))
@@ -129,39 +142,52 @@ impl Accel {
 
     /// The nearest primitive in front of a ray that starts on `start`; of several at the same distance, the first.
     #[must_use]
+    #[inline(always)]
     pub fn closest(&self, ray: &Ray, start: PrimitiveId) -> Option<Hit> {
-        let mut best = Hit { t: f64::MAX, primitive: PrimitiveId::NONE, barycentric: [0.0; 2] };
-        let sheared = ShearedRay::new(ray);
-        self.triangle_tree.visit(ray, &mut best.t, |leaf, t_max| {
-            let hits = self.blocks[leaf].intersect(&sheared, *t_max);
-            let mut mask = hits.mask & !lane_of(start, leaf);
-            while mask != 0 {
-                let lane = mask.trailing_zeros() as usize;
-                mask &= mask - 1;
-                let id = PrimitiveId((leaf * LANES + lane) as u32);
-                let t = hits.distance(lane);
-                if t < *t_max || (t == *t_max && id < best.primitive) {
-                    *t_max = t;
-                    best.primitive = id;
-                    best.barycentric = hits.hit(lane).1;
-                }
+        let hit = match &self.triangle_tree {
+            None => {
+                let mut nearest = Nearest::none();
+                nearest.update(self, self.all_candidates(&Line::new(ray, self.extent)), &ShearedRay::new(ray), start);
+                nearest.hit()
             }
-            true
+            Some(tree) => self.closest_in_tree(tree, ray, start),
+        };
+        if self.spheres.is_empty() { hit } else { self.closest_sphere(ray, start, hit) }
+    }
+
+    #[inline(never)]
+    fn closest_in_tree(&self, tree: &Tree, ray: &Ray, start: PrimitiveId) -> Option<Hit> {
+        let (line, sheared) = (Line::new(ray, self.extent), ShearedRay::new(ray));
+        let mut nearest = Nearest::none();
+        tree.visit(ray, f64::MAX, |leaf| {
+            nearest.update(self, self.candidates(leaf, &line), &sheared, start);
+            nearest.t
         });
-        self.sphere_tree.visit(ray, &mut best.t, |leaf, t_max| {
-            for slot in self.sphere_ranges[leaf].clone() {
-                let id = self.sphere_id(slot);
-                if let Some(t) = self.spheres[slot].intersect(ray, id == start)
-                    && t < *t_max
-                {
-                    *t_max = t;
-                    best.primitive = id;
-                    best.barycentric = [0.0; 2];
-                }
+        nearest.hit()
+    }
+
+    /// The nearest sphere, if it is nearer than the hit.
+    #[inline(never)]
+    fn closest_sphere(&self, ray: &Ray, start: PrimitiveId, mut hit: Option<Hit>) -> Option<Hit> {
+        let hit_distance = hit.map_or(f64::MAX, |hit| hit.t);
+        let mut nearest = hit_distance;
+        let mut test = |slot: usize| {
+            let primitive = self.sphere_id(slot);
+            if let Some(t) = self.spheres[slot].intersect(ray, primitive == start)
+                && t < nearest
+            {
+                nearest = t;
+                hit = Some(Hit { t, primitive, barycentric: [0.0; 2] });
             }
-            true
-        });
-        (best.primitive != PrimitiveId::NONE).then_some(best)
+            nearest
+        };
+        match &self.sphere_tree {
+            None => (0..self.spheres.len()).for_each(|slot| _ = test(slot)),
+            Some(tree) => tree.visit(ray, hit_distance, |leaf| {
+                self.sphere_ranges[leaf].clone().map(&mut test).last().expect("leaves are not empty")
+            }),
+        }
+        hit
     }
 
     /// Something lies strictly between two points of the primitives `on_a` and `on_b`. The same bits for both orders.
@@ -169,27 +195,122 @@ impl Accel {
     pub fn occluded(&self, a: DVec3, on_a: PrimitiveId, b: DVec3, on_b: PrimitiveId) -> bool {
         let swap = (b.x, b.y, b.z) < (a.x, a.y, a.z);
         let (from, to, on_from, on_to) = if swap { (b, a, on_b, on_a) } else { (a, b, on_a, on_b) };
-        let offset = to - from;
-        let length = offset.length();
-        let ray = Ray::new(from, offset / length);
-        let sheared = ShearedRay::new(&ray);
-        let by_triangle = self.triangle_tree.any(&ray, length, |leaf| {
-            let hits = self.blocks[leaf].intersect(&sheared, length.next_down());
-            hits.mask & !(lane_of(on_from, leaf) | lane_of(on_to, leaf)) != 0
-        });
-        by_triangle
-            || self.sphere_tree.any(&ray, length, |leaf| {
-                self.sphere_ranges[leaf].clone().any(|slot| {
-                    let id = self.sphere_id(slot);
-                    self.spheres[slot].blocks(&ray, length, id == on_from, id == on_to)
-                })
-            })
+        // Distances are in units of the segment: triangles need no length.
+        let segment = Ray { origin: from, direction: to - from };
+        let line = Line::new(&segment, self.extent);
+        let sheared = ShearedRay::new(&segment);
+        let meets = |candidates: Candidates| {
+            let mut others = candidates.without(on_from).without(on_to);
+            others.any(|id| self.intersect(id, &sheared, 1.0_f64.next_down()).is_some())
+        };
+        let by_triangle = match &self.triangle_tree {
+            None => meets(self.all_candidates(&line)),
+            Some(tree) => tree.any(&segment, 1.0, |leaf| meets(self.candidates(leaf, &line))),
+        };
+        by_triangle || (!self.spheres.is_empty() && self.occluded_by_sphere(&segment, on_from, on_to))
+    }
+
+    fn occluded_by_sphere(&self, segment: &Ray, on_from: PrimitiveId, on_to: PrimitiveId) -> bool {
+        let length = segment.direction.length();
+        let ray = Ray::new(segment.origin, segment.direction / length);
+        let blocks = |slot: usize| {
+            let id = self.sphere_id(slot);
+            self.spheres[slot].blocks(&ray, length, id == on_from, id == on_to)
+        };
+        match &self.sphere_tree {
+            None => (0..self.spheres.len()).any(blocks),
+            Some(tree) => tree.any(&ray, length, |leaf| self.sphere_ranges[leaf].clone().any(blocks)),
+        }
+    }
+
+    #[inline(always)]
+    fn intersect(&self, id: PrimitiveId, ray: &ShearedRay, t_max: f64) -> Option<TriangleHit> {
+        let slot = id.0 as usize;
+        self.blocks[slot / LANES].intersect(slot % LANES, ray, t_max)
+    }
+
+    #[inline(always)]
+    fn candidates(&self, leaf: usize, line: &Line) -> Candidates {
+        Candidates { first: (leaf * LANES) as u32, mask: u64::from(self.blocks[leaf].candidates(line)) }
+    }
+
+    /// Of all triangles, where there are few.
+    #[inline(always)]
+    fn all_candidates(&self, line: &Line) -> Candidates {
+        let shifted = |(i, block): (usize, &Block)| u64::from(block.candidates(line)) << (i * LANES);
+        Candidates { first: 0, mask: self.blocks.iter().enumerate().map(shifted).fold(0, |all, mask| all | mask) }
     }
 }
 
-/// The bit of a triangle in the mask of a leaf's hits; zero where it lies in another leaf.
-#[inline]
-fn lane_of(id: PrimitiveId, leaf: usize) -> u32 {
-    let slot = id.0 as usize;
-    u32::from(slot / LANES == leaf) << (slot % LANES)
+/// The nearest triangle so far.
+struct Nearest {
+    t: f64,
+    primitive: PrimitiveId,
+    hit: TriangleHit,
+}
+
+impl Nearest {
+    #[inline(always)]
+    fn none() -> Self {
+        Self { t: f64::MAX, primitive: PrimitiveId::NONE, hit: TriangleHit::default() }
+    }
+
+    #[inline(always)]
+    fn update(&mut self, accel: &Accel, candidates: Candidates, ray: &ShearedRay, start: PrimitiveId) {
+        for primitive in candidates.without(start) {
+            if let Some(hit) = accel.intersect(primitive, ray, self.t)
+                && (hit.t < self.t || primitive < self.primitive)
+            {
+                *self = Self { t: hit.t, primitive, hit };
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn hit(&self) -> Option<Hit> {
+        let Self { t, primitive, .. } = *self;
+        (primitive != PrimitiveId::NONE).then(|| Hit { t, primitive, barycentric: self.hit.barycentric() })
+    }
+}
+
+/// Up to 64 neighbouring triangles, of which those count whose bit is set.
+#[derive(Clone, Copy)]
+struct Candidates {
+    first: u32,
+    mask: u64,
+}
+
+impl Candidates {
+    #[inline]
+    fn without(self, id: PrimitiveId) -> Self {
+        let bit = 1_u64.checked_shl(id.0.wrapping_sub(self.first)).unwrap_or(0);
+        Self { mask: self.mask & !bit, ..self }
+    }
+}
+
+impl Iterator for Candidates {
+    type Item = PrimitiveId;
+
+    #[inline]
+    fn next(&mut self) -> Option<PrimitiveId> {
+        let id = PrimitiveId(self.first + self.mask.trailing_zeros());
+        let some = self.mask != 0;
+        self.mask &= self.mask.wrapping_sub(1);
+        some.then_some(id)
+    }
+}
+
+/// A tree above the boxes unless they are few, and what is in its leaves.
+fn tree_of_many(
+    boxes: impl ExactSizeIterator<Item = Bounds>,
+    pad: f64,
+    leaf_size: usize,
+    few: usize,
+) -> (Option<Tree>, Vec<Vec<u32>>) {
+    if boxes.len() <= few {
+        let all: Vec<u32> = (0..boxes.len() as u32).collect();
+        return (None, all.chunks(leaf_size).map(<[u32]>::to_vec).collect());
+    }
+    let (tree, leaves) = Tree::build(boxes, pad, leaf_size);
+    (Some(tree), leaves)
 }

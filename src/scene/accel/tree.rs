@@ -4,7 +4,7 @@
 //! With leaves of eight triangles that is faster than the library's own traversal of its binary tree (see
 //! `tests/benches/README.md`).
 
-use glam::{DVec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -14,11 +14,11 @@ use wide::f32x8;
 
 use crate::geometry::{Bounds, Ray};
 
-/// Boxes in a node, and primitives in a leaf.
-pub(super) const WIDTH: usize = 8;
+/// Boxes in a node.
+const WIDTH: usize = 8;
 
-/// The hierarchy; without nodes it holds nothing.
-#[derive(Clone, Debug, Default)]
+/// The hierarchy.
+#[derive(Clone, Debug)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
 }
@@ -45,36 +45,27 @@ impl Child {
 }
 
 impl Tree {
-    /// The tree over boxes made larger by `pad`, and its leaves: each the indices of up to eight boxes.
-    pub fn build(boxes: impl Iterator<Item = Bounds>, pad: f64) -> (Self, Vec<Vec<u32>>) {
+    /// The tree over boxes, at least one, made larger by `pad`, and its leaves: each the indices of up to `leaf_size` boxes.
+    pub fn build(boxes: impl Iterator<Item = Bounds>, pad: f64, leaf_size: usize) -> (Self, Vec<Vec<u32>>) {
         let boxes: Vec<Aabb> = boxes.map(|b| padded(b, pad)).collect();
-        if boxes.is_empty() {
-            return (Self::default(), Vec::new());
-        }
         let params =
-            BvhBuildParams { pre_split: false, max_prims_per_leaf: WIDTH as u32, ..BvhBuildParams::medium_build() };
+            BvhBuildParams { pre_split: false, max_prims_per_leaf: leaf_size as u32, ..BvhBuildParams::medium_build() };
         let bvh = build_bvh2(&boxes, params, &mut std::time::Duration::default());
-        let mut flattening = Flattening { bvh: &bvh, tree: Self::default(), leaves: Vec::new() };
+        let mut flattening = Flattening { bvh: &bvh, tree: Self { nodes: Vec::new() }, leaves: Vec::new() };
         flattening.run();
         (flattening.tree, flattening.leaves)
     }
 
-    /// Calls `leaf` with each leaf that the ray may meet before `t_max`, near ones first, until it says no.
+    /// Calls `leaf` with each leaf that the ray may meet before `t_max`, near ones first; it answers with the new `t_max`.
     #[inline]
-    pub fn visit(&self, ray: &Ray, t_max: &mut f64, mut leaf: impl FnMut(usize, &mut f64) -> bool) {
-        if self.nodes.is_empty() {
-            return;
-        }
+    pub fn visit(&self, ray: &Ray, t_max: f64, mut leaf: impl FnMut(usize) -> f64) {
         let ray = BoxRay::new(ray);
-        let mut limit = round_up(*t_max);
+        let mut limit = round_up(t_max);
         let mut stack: SmallVec<[(f32, Child); 64]> = SmallVec::new();
         let mut current = Child(0);
         loop {
             if let Some(number) = current.leaf() {
-                if !leaf(number, t_max) {
-                    return;
-                }
-                limit = round_up(*t_max);
+                limit = round_up(leaf(number));
             } else {
                 let node = &self.nodes[current.0 as usize];
                 let (near, mut mask) = node.intersect(&ray, limit);
@@ -116,9 +107,6 @@ impl Tree {
     /// Some leaf that the ray may meet before `t_max` answers yes; they are asked in no order.
     #[inline]
     pub fn any(&self, ray: &Ray, t_max: f64, mut leaf: impl FnMut(usize) -> bool) -> bool {
-        if self.nodes.is_empty() {
-            return false;
-        }
         let ray = BoxRay::new(ray);
         let limit = round_up(t_max);
         let mut stack: SmallVec<[Child; 64]> = SmallVec::new();
@@ -170,11 +158,12 @@ impl BoxRay {
     fn new(ray: &Ray) -> Self {
         // A component of zero must not become an infinity, whose product with zero is NaN. The boxes' padding is wide
         // enough for the difference.
-        let inverse = |d: f64| (1.0 / if d.abs() < 1e-12 { 1e-12_f64.copysign(d) } else { d }) as f32;
+        let direction = ray.direction.as_vec3();
+        let inverse = direction.abs().max(Vec3::splat(1e-30)).copysign(direction).recip();
         Self {
             origin: ray.origin.as_vec3().to_array(),
-            inverse: ray.direction.to_array().map(inverse),
-            near_side: ray.direction.to_array().map(|d| usize::from(d.is_sign_negative())),
+            inverse: inverse.to_array(),
+            near_side: direction.to_array().map(|d| usize::from(d.is_sign_negative())),
         }
     }
 }

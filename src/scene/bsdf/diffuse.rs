@@ -17,18 +17,18 @@ pub struct Diffuse {
 }
 
 impl BsdfModel for Diffuse {
-    #[inline]
+    #[inline(always)]
     fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
         if to_emitter.z > 0.0 && to_sensor.z > 0.0 { self.reflectance * FRAC_1_PI } else { Rgb::BLACK }
     }
 
     /// `p_σ = cos θ / π` \[1/sr\].
-    #[inline]
+    #[inline(always)]
     fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
         if from.z > 0.0 { warp::cosine_hemisphere_density(to.z) } else { Density::ZERO }
     }
 
-    #[inline]
+    #[inline(always)]
     fn sample(&self, _side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let to = warp::cosine_hemisphere([u[0], u[1]]);
         // The rim of the disk, u = 0, has density zero.

@@ -144,16 +144,30 @@ macro_rules! dispatch {
 impl Bsdf {
     /// See [`BsdfModel::eval`].
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
-        dispatch!(self, model => model.eval(to_emitter, to_sensor))
+        #[inline(never)]
+        fn of_others(bsdf: &Bsdf, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+            dispatch!(bsdf, model => model.eval(to_emitter, to_sensor))
+        }
+        match self {
+            Self::Diffuse(model) => model.eval(to_emitter, to_sensor),
+            others => of_others(others, to_emitter, to_sensor),
+        }
     }
 
     /// See [`BsdfModel::density`].
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
-        dispatch!(self, model => model.density(from, to))
+        #[inline(never)]
+        fn of_others(bsdf: &Bsdf, from: DVec3, to: DVec3) -> Density<SolidAngle> {
+            dispatch!(bsdf, model => model.density(from, to))
+        }
+        match self {
+            Self::Diffuse(model) => model.density(from, to),
+            others => of_others(others, from, to),
+        }
     }
 
     /// See [`BsdfModel::eval_dirac`].
@@ -172,9 +186,16 @@ impl Bsdf {
 
     /// See [`BsdfModel::sample`].
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn sample(&self, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
-        dispatch!(self, model => model.sample(side, from, u))
+        #[inline(never)]
+        fn of_others(bsdf: &Bsdf, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+            dispatch!(bsdf, model => model.sample(side, from, u))
+        }
+        match self {
+            Self::Diffuse(model) => model.sample(side, from, u),
+            others => of_others(others, side, from, u),
+        }
     }
 
     /// See [`BsdfModel::radiance_scale`].

@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 use glam::{DVec2, DVec3};
 
 use crate::geometry::Frame;
-use crate::measure::{Density, Jacobian, SolidAngle};
-use crate::path::{Vertex, VertexKind};
+use crate::measure::{Density, SolidAngle};
+use crate::path::{Edge, Vertex, VertexKind};
 use crate::spectrum::Rgb;
 use crate::warp;
 
@@ -60,10 +60,11 @@ impl Environment {
         }
     }
 
-    pub(super) fn sample_direct(&self, x1: &Vertex, u: [f64; 2]) -> DirectSample {
+    pub(super) fn sample_direct(&self, x1: DVec3, u: [f64; 2]) -> DirectSample {
         let direction = warp::uniform_sphere(u);
-        let vertex = self.beyond(x1.position, direction);
-        DirectSample { vertex, density: Self::direct_density() * x1.solid_angle_to_area(&vertex) }
+        let vertex = self.beyond(x1, direction);
+        let edge = Edge::from_to(x1, vertex.position);
+        DirectSample { vertex, density: Self::direct_density() * edge.solid_angle_to_area(&vertex) }
     }
 
     pub(super) fn direct_density() -> Density<SolidAngle> {
@@ -86,11 +87,11 @@ impl Directional {
         EdgeDensity { position: disk_density(self.sphere_radius) * x0.abs_cos(direction), direction: Density::new(1.0) }
     }
 
-    pub(super) fn sample_direct(&self, x1: &Vertex) -> DirectSample {
-        let position = leave_sphere(x1.position, -self.direction, self.sphere_radius);
+    pub(super) fn sample_direct(&self, x1: DVec3) -> DirectSample {
+        let position = leave_sphere(x1, -self.direction, self.sphere_radius);
         let vertex = infinite_vertex(self.id, position, self.sphere_radius);
-        let to_area: Jacobian<SolidAngle, _> = x1.solid_angle_to_area(&vertex);
-        DirectSample { vertex, density: Density::new(1.0) * to_area }
+        let edge = Edge::from_to(x1, vertex.position);
+        DirectSample { vertex, density: Density::<SolidAngle>::new(1.0) * edge.solid_angle_to_area(&vertex) }
     }
 
     /// `π R² E`: what enters the sphere.

@@ -116,10 +116,19 @@ impl Emitter {
         }
     }
 
-    /// Draws x_0 for a given x_1; `None` where no light can come from here. `u` is uniform in `[0, 1)³`.
+    /// Draws x_0 for a given x_1, of which the position is enough; `None` where no light can come from here. `u` is uniform
+    /// in `[0, 1)³`.
     #[must_use]
-    #[inline]
-    pub fn sample_direct(&self, accel: &Accel, x1: &Vertex, u: [f64; 3]) -> Option<DirectSample> {
+    #[inline(always)]
+    pub fn sample_direct(&self, accel: &Accel, x1: DVec3, u: [f64; 3]) -> Option<DirectSample> {
+        match self {
+            Self::Mesh(light) => Some(light.sample_direct(accel, u)),
+            other => other.sample_direct_otherwise(accel, x1, u),
+        }
+    }
+
+    #[inline(never)]
+    fn sample_direct_otherwise(&self, accel: &Accel, x1: DVec3, u: [f64; 3]) -> Option<DirectSample> {
         match self {
             Self::Mesh(light) => Some(light.sample_direct(accel, u)),
             Self::Sphere(light) => light.sample_direct(accel, x1, [u[1], u[2]]),
@@ -133,7 +142,7 @@ impl Emitter {
     /// The density with which [`sample_direct`](Self::sample_direct) draws x_0 for x_1; `edge` leads from x_1 to x_0.
     #[must_use]
     #[inline]
-    pub fn direct_density(&self, accel: &Accel, x1: &Vertex, x0: &Vertex, edge: &Edge) -> Density<Area> {
+    pub fn direct_density(&self, accel: &Accel, x1: DVec3, x0: &Vertex, edge: &Edge) -> Density<Area> {
         let to_area = || edge.solid_angle_to_area(x0);
         match self {
             Self::Mesh(light) => light.direct_density(),

@@ -54,7 +54,7 @@ pub(super) fn emission_density(area: f64, x0: &Vertex, direction: DVec3) -> Edge
 }
 
 impl MeshEmitter {
-    #[inline]
+    #[inline(always)]
     fn vertex(&self, accel: &Accel, [choice, u, v]: [f64; 3]) -> Vertex {
         let primitive = self.triangles[self.choice.sample(choice)];
         let triangle = accel.triangle(primitive);
@@ -73,7 +73,7 @@ impl MeshEmitter {
         emit_from(vertex, [u[3], u[4]])
     }
 
-    #[inline]
+    #[inline(always)]
     pub(super) fn sample_direct(&self, accel: &Accel, u: [f64; 3]) -> DirectSample {
         DirectSample { vertex: self.vertex(accel, u), density: self.direct_density() }
     }
@@ -91,8 +91,8 @@ impl SphereEmitter {
     }
 
     /// Uniform in the cone that the sphere fills, seen from x_1 outside of it.
-    pub(super) fn sample_direct(&self, accel: &Accel, x1: &Vertex, u: [f64; 2]) -> Option<DirectSample> {
-        let cone = self.cone(accel, x1.position)?;
+    pub(super) fn sample_direct(&self, accel: &Accel, x1: DVec3, u: [f64; 2]) -> Option<DirectSample> {
+        let cone = self.cone(accel, x1)?;
         let frame = Frame::around(cone.axis);
         let local = warp::uniform_cone(u, cone.one_minus_cos_max);
         // The point of the sphere that this direction meets first, as an angle α at the centre (pbrt 4, §6.2.4).
@@ -102,14 +102,15 @@ impl SphereEmitter {
         let scale = if sin2 > 0.0 { sin_alpha / sin2.sqrt() } else { 0.0 };
         let outward = frame.to_world(DVec3::new(local.x * scale, local.y * scale, -cos_alpha));
         let vertex = self.vertex(accel, outward);
-        let density = warp::uniform_cone_density(cone.one_minus_cos_max) * x1.solid_angle_to_area(&vertex);
+        let density = warp::uniform_cone_density(cone.one_minus_cos_max)
+            * Edge::from_to(x1, vertex.position).solid_angle_to_area(&vertex);
         Some(DirectSample { vertex, density })
     }
 
-    pub(super) fn direct_density(&self, accel: &Accel, x1: &Vertex, x0: &Vertex, edge: &Edge) -> Density<Area> {
+    pub(super) fn direct_density(&self, accel: &Accel, x1: DVec3, x0: &Vertex, edge: &Edge) -> Density<Area> {
         let to_area: Jacobian<SolidAngle, Area> = edge.solid_angle_to_area(x0);
         // Only what faces x_1 lies first along its direction.
-        match self.cone(accel, x1.position) {
+        match self.cone(accel, x1) {
             Some(cone) if x0.normal.dot(edge.direction) < 0.0 => {
                 warp::uniform_cone_density(cone.one_minus_cos_max) * to_area
             }
