@@ -139,7 +139,7 @@ impl Sensor {
 
     /// The density with which [`sample`](Self::sample) draws x_k and `direction` for the pixel that they belong to.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn density(&self, direction: DVec3) -> EdgeDensity {
         let pixel_area = self.pixel_area();
         let cos = self.forward.dot(direction);
@@ -156,7 +156,7 @@ impl Sensor {
 
     /// The pixel that sees along the last edge, and how much; `direction` leads from x_k to x_{k−1}.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn importance(&self, xk: &Vertex, direction: DVec3) -> Option<Importance> {
         let cos = self.forward.dot(direction);
         if cos <= 0.0 {
@@ -195,7 +195,7 @@ impl Sensor {
 
     /// The density with which [`sample_direct`](Self::sample_direct) draws x_k for x_{k−1}.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn direct_density(&self, from: &Vertex, xk: &Vertex) -> Density<Area> {
         match self.kind {
             Kind::Pinhole => Density::new(1.0),

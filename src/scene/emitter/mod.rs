@@ -74,7 +74,7 @@ impl Emitter {
     /// `L_e(x_0 → x_1)`: radiance \[W/m²/sr\], intensity of a point \[W/sr\], or irradiance of a directional light \[W/m²\].
     /// `direction` leads from x_0 to x_1.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn emission(&self, x0: &Vertex, direction: DVec3) -> Rgb {
         match self {
             Self::Mesh(MeshEmitter { radiance, .. }) | Self::Sphere(SphereEmitter { radiance, .. }) => {
@@ -103,7 +103,7 @@ impl Emitter {
 
     /// The density with which [`sample_emission`](Self::sample_emission) draws x_0 and `direction`.
     #[must_use]
-    #[inline]
+    #[inline(always)]
     pub fn emission_density(&self, x0: &Vertex, direction: DVec3) -> EdgeDensity {
         match self {
             Self::Mesh(MeshEmitter { area, .. }) | Self::Sphere(SphereEmitter { area, .. }) => {
