@@ -314,6 +314,7 @@ fn show(report: &Report, folder: &std::path::Path) -> io::Result<()> {
         for rows in rows.chunk_by(|a, b| a.against == b.against) {
             write!(out, "{}", agreement_table(rows))?;
         }
+        write!(out, "{}", agreement_note(rows))?;
     }
     writeln!(out, "\n{}", tables(&report.summary))?;
     writeln!(out, "wrote {}", folder.display())?;
@@ -341,13 +342,16 @@ fn agreement_table(rows: &[AgreementRow]) -> String {
         };
         text += &format!("  {method:width$}  {verdict}: {difference}; {reach}\n");
     }
-    if first.against != "exact" {
-        let masked = rows.iter().map(|row| row.blocks_masked).max().unwrap_or(0);
-        text += &format!("  (finds: differences that show with probability {}", first.power);
-        if masked > 0 {
-            text += &format!("; light tracing: without {masked} blocks that see Dirac surfaces");
-        }
-        text += ")\n";
-    }
     text
+}
+
+/// What the tables of a scene mean.
+fn agreement_note(rows: &[AgreementRow]) -> String {
+    let Some(row) = rows.iter().find(|row| row.image_detectable.is_some()) else { return String::new() };
+    let masked = rows.iter().map(|row| row.blocks_masked).max().unwrap_or(0);
+    let mut text = format!("  (finds: differences that show with probability {}", row.power);
+    if masked > 0 {
+        text += &format!("; light tracing: without {masked} blocks that see Dirac surfaces");
+    }
+    text + ")\n"
 }

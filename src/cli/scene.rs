@@ -1,10 +1,10 @@
 //! From what the user calls a scene to the scene.
 
 use std::fs;
-use std::hash::Hasher;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
+use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::names::did_you_mean;
 use crate::scene::description::FilmSize;
@@ -100,30 +100,16 @@ fn in_folder(folder: &Path) -> anyhow::Result<PathBuf> {
 
 /// A number that changes with whatever the image depends on in a scene, so that a render goes on with the same scene only.
 pub(crate) fn fingerprint(description: &SceneDescription) -> String {
-    let mut hash = Fnv(0xcbf2_9ce4_8422_2325);
+    let mut hash = Xxh3Default::new();
     for mesh in &description.meshes {
         let normals = mesh.normals.iter().flatten();
         for vector in mesh.positions.iter().chain(normals) {
-            vector.to_array().iter().for_each(|x| hash.write(&x.to_le_bytes()));
+            vector.to_array().iter().for_each(|x| hash.update(&x.to_le_bytes()));
         }
-        mesh.triangles.as_flattened().iter().for_each(|index| hash.write(&index.to_le_bytes()));
-        hash.write(format!("{} {} {};", mesh.normals.is_some(), mesh.positions.len(), mesh.material).as_bytes());
+        mesh.triangles.as_flattened().iter().for_each(|index| hash.update(&index.to_le_bytes()));
+        hash.update(format!("{} {} {};", mesh.normals.is_some(), mesh.positions.len(), mesh.material).as_bytes());
     }
     let SceneDescription { spheres, materials, lights, environment, sensor, .. } = description;
-    hash.write(format!("{spheres:?}{materials:?}{lights:?}{environment:?}{sensor:?}").as_bytes());
-    format!("{:016x}", hash.finish())
-}
-
-/// 64-bit FNV-1a: the same on every machine and with every compiler.
-struct Fnv(u64);
-
-impl Hasher for Fnv {
-    fn finish(&self) -> u64 {
-        self.0
-    }
-    fn write(&mut self, bytes: &[u8]) {
-        for &byte in bytes {
-            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
-        }
-    }
+    hash.update(format!("{spheres:?}{materials:?}{lights:?}{environment:?}{sensor:?}").as_bytes());
+    format!("{:016x}", hash.digest())
 }

@@ -18,9 +18,6 @@ use super::plan::{Plan, ScenePlan};
 use super::reference::{self, ReferenceChoice, Truth};
 use super::{Subject, own};
 
-/// The method that others are tested against, where it takes part.
-const AGREEMENT_BASE: &str = "mitsuba:path";
-
 /// Which run of an experiment.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunId {
@@ -333,12 +330,17 @@ impl Session<'_> {
                 report.agreement.extend(agreement::with_exact(&scene, &labels[number], pool, exact, light)?);
             }
         }
-        let named = pools.iter().find(|(number, _)| methods[*number].name == AGREEMENT_BASE);
-        let Some(&(base, base_pool)) = named.or(pools.first()) else { return Ok(()) };
-        for &(number, pool) in pools.iter().filter(|(number, _)| *number != base) {
-            let light = is_light(&methods[number]) || is_light(&methods[base]);
-            let names = (scene.as_str(), labels[number].as_str(), labels[base].as_str());
-            report.agreement.extend(agreement::between(names, pool, base_pool, light)?);
+        let is_base = |number: usize| matches!(methods[number].kind, MethodKind::Mitsuba(_));
+        let (mut bases, mut others): (Vec<_>, Vec<_>) = pools.iter().partition(|(number, _)| is_base(*number));
+        if bases.is_empty() && !others.is_empty() {
+            bases.push(others.remove(0));
+        }
+        for (i, &(base, base_pool)) in bases.iter().enumerate() {
+            for &(number, pool) in others.iter().chain(&bases[i + 1..]) {
+                let light = is_light(&methods[number]) || is_light(&methods[base]);
+                let names = (scene.as_str(), labels[number].as_str(), labels[base].as_str());
+                report.agreement.extend(agreement::between(names, pool, base_pool, light)?);
+            }
         }
         if let Some(folder) = self.folder {
             folder.write_agreement(&report.agreement)?;

@@ -66,8 +66,6 @@ pub struct Counters {
     pub invalid: u64,
     /// Contributions that were negative where the weighting promises none.
     pub negative: u64,
-    /// Edges that a walk has drawn and the visibility test denies.
-    pub visibility_mismatches: u64,
     /// Samples to replay, the first [`Counters::REPLAY_KEYS`] by seed, sample and pixel, in this order.
     pub replay: Vec<ReplayKey>,
 }
@@ -90,7 +88,6 @@ impl Counters {
         self.paths += other.paths;
         self.invalid += other.invalid;
         self.negative += other.negative;
-        self.visibility_mismatches += other.visibility_mismatches;
         for &key in &other.replay {
             self.keep_for_replay(key);
         }

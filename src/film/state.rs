@@ -21,6 +21,7 @@ use std::path::Path;
 
 use safetensors::tensor::{Dtype, SafeTensors, TensorView};
 use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::spectrum::Rgb;
 
@@ -218,9 +219,9 @@ fn fill_moments(moments: &mut [Moments], bytes: &[u8]) {
 }
 
 fn checksum<'data>(parts: impl Iterator<Item = &'data [u8]>) -> String {
-    let step = |hash: u64, byte: &u8| (hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
-    let hash = parts.fold(0xcbf2_9ce4_8422_2325, |hash, part| part.iter().fold(hash, step));
-    format!("{hash:016x}")
+    let mut hash = Xxh3Default::new();
+    parts.for_each(|part| hash.update(part));
+    format!("{:016x}", hash.digest())
 }
 
 #[cfg(test)]

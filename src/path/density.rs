@@ -3,9 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measure::{Area, Density, Jacobian};
-use crate::scene::Scene;
+use crate::sampler::Random;
 use crate::scene::bsdf::Side;
 use crate::scene::emitter::Emitter;
+use crate::scene::sensor::Pixel;
+use crate::scene::{EmitterId, Scene};
 use crate::spectrum::Rgb;
 use crate::wide::Wide;
 
@@ -59,6 +61,25 @@ impl Scene {
             (0, _) => hit_at_start,
             (_, 0) => self.sensor().can_be_hit(),
             _ => !path.is_dirac(s - 1) && !path.is_dirac(s),
+        }
+    }
+
+    /// Draws x_0 x_1, with x_1 on the sensor, by s = t = 1 for an emitter already chosen, whose walk starts at `walk`: the end
+    /// that has a density of its own is first, then the other for it. Its density is
+    /// [`density_of_two`](Self::density_of_two).
+    #[must_use]
+    pub fn sample_two(&self, id: EmitterId, walk: &Vertex, random: &mut Random) -> Option<(Vertex, Vertex)> {
+        let (emitter, sensor) = (self.emitter(id), self.sensor());
+        if !emitter.can_be_hit() {
+            return None;
+        }
+        if emitter.is_local() {
+            Some((*walk, sensor.sample_direct(walk, random.uniform2())?.vertex))
+        } else if sensor.has_position() {
+            let (xk, _) = sensor.sample(Pixel { x: 0, y: 0 }, random.uniform4());
+            Some((emitter.sample_direct(self.accel(), xk.position, random.uniform3())?.vertex, xk))
+        } else {
+            None
         }
     }
 

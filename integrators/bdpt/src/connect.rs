@@ -122,26 +122,11 @@ impl<S: Sink> Connector<'_, '_, S> {
         self.add(s, t, value, self.pixel, None);
     }
 
-    /// s = t = 1: the emitter itself is seen. The end whose point can be drawn on its own is drawn first.
+    /// s = t = 1: the emitter itself is seen.
     pub fn emitter_to_sensor(&mut self) {
         let scene = self.tracer.scene();
         let (emitter, sensor) = (scene.emitter(self.emitter), scene.sensor());
-        if !emitter.can_be_hit() {
-            return;
-        }
-        let (x0, xk) = if emitter.is_local() {
-            let x0 = self.y[0].vertex;
-            let Some(direct) = sensor.sample_direct(&x0, self.random.uniform2()) else { return };
-            (x0, direct.vertex)
-        } else if sensor.has_position() {
-            let (xk, _) = sensor.sample(Pixel { x: 0, y: 0 }, self.random.uniform4());
-            let Some(direct) = emitter.sample_direct(scene.accel(), xk.position, self.random.uniform3()) else {
-                return;
-            };
-            (direct.vertex, xk)
-        } else {
-            return;
-        };
+        let Some((x0, xk)) = scene.sample_two(self.emitter, &self.y[0].vertex, self.random) else { return };
         let density = scene.density_of_two(&x0, &xk);
         let edge = Edge::between(&x0, &xk);
         let Some(importance) = sensor.importance(&xk, -edge.direction) else { return };

@@ -119,7 +119,7 @@ impl Estimator for LightTracer {
 }
 
 impl LightTracer {
-    /// s = t = 1: the emitter itself is seen. The end whose point can be drawn on its own is drawn first.
+    /// s = t = 1: the emitter itself is seen.
     fn add_emission<S: Sink>(
         &self,
         tracer: &mut Tracer<'_>,
@@ -130,21 +130,8 @@ impl LightTracer {
     ) {
         let scene = tracer.scene();
         let (emitter, sensor) = (scene.emitter(id), scene.sensor());
-        if !emitter.can_be_hit() {
-            return;
-        }
-        let (x0, xk, density) = if emitter.is_local() {
-            let Some(direct) = sensor.sample_direct(x0, random.uniform2()) else { return };
-            let direction = x0.direction_to(&direct.vertex);
-            let position = emitter.emission_density(x0, direction).position;
-            (*x0, direct.vertex, position.value() * direct.density.value())
-        } else if sensor.has_position() {
-            let (xk, along) = sensor.sample(Pixel { x: 0, y: 0 }, random.uniform4());
-            let Some(direct) = emitter.sample_direct(scene.accel(), xk.position, random.uniform3()) else { return };
-            (direct.vertex, xk, sensor.density(along).position.value() * direct.density.value())
-        } else {
-            return;
-        };
+        let Some((x0, xk)) = scene.sample_two(id, x0, random) else { return };
+        let density = scene.density_of_two(&x0, &xk) / scene.emitter_probability(id).value();
         let edge = Edge::between(&x0, &xk);
         let Some(importance) = sensor.importance(&xk, -edge.direction) else { return };
         let weight = if sensor.can_be_hit() {
