@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use clap::Args;
 
-use crate::estimator::{Heuristic, Registry};
+use crate::estimator::{Heuristic, Lengths, Registry};
 
 use super::Outcome;
 
@@ -23,8 +23,14 @@ const METRICS: [(&str, &str); 5] = [
 
 pub(super) fn run(registry: &Registry) -> anyhow::Result<Outcome> {
     let integrators: Vec<_> = registry.entries().iter().map(|entry| (entry.name, entry.summary)).collect();
-    let sections: [(&str, &[(&str, &str)]); 3] = [
+    let mut samplers: Vec<_> = registry.samplers().iter().map(|entry| (entry.name, entry.summary)).collect();
+    if !samplers.is_empty() {
+        samplers.push(("mis", "several at once: 'mis:samplers=walks(s=0)+walks(s=1)+direct(by=cosine)'"));
+    }
+    let sections: [(&str, &[(&str, &str)]); 5] = [
         ("integrators (--integrator NAME:setting=value…)", &integrators),
+        ("samplers, integrators by the definition of f and p: general and slow", &samplers),
+        ("lengths of samplers' paths (setting terms=NAME)", &Lengths::NAMES),
         ("heuristics (setting heuristic=NAME)", &Heuristic::NAMES),
         ("metrics (columns of compare)", &METRICS),
     ];

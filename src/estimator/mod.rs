@@ -1,15 +1,19 @@
 //! From samples to images: weights, threads, seeds.
 
+mod combination;
 pub mod driver;
 mod heuristic;
 mod integrator;
+mod lengths;
 mod registry;
 mod settings;
 mod sink;
 
+pub use combination::Combination;
 pub use driver::Control;
 pub use heuristic::Heuristic;
 pub use integrator::{Estimator, Integrator};
-pub use registry::{Build, Entry, Method, Registry, RegistryError};
+pub use lengths::Lengths;
+pub use registry::{Build, Entry, Method, Registry, RegistryError, SamplerEntry};
 pub use settings::{Settings, SettingsError};
 pub use sink::{RecordedTerm, Recorder, Sink, Term};

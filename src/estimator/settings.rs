@@ -79,6 +79,11 @@ impl Settings {
         Ok(value)
     }
 
+    /// Remembers the value that applies for a setting that has been read, where it says more than what was given.
+    pub fn resolve(&mut self, name: &str, value: String) {
+        self.resolved.insert(name.into(), value);
+    }
+
     /// `max_length`: the longest path in edges, `none` for unlimited.
     ///
     /// # Errors
@@ -159,7 +164,9 @@ impl Settings {
         }
     }
 
-    fn wrong(name: &str, value: &str, expected: &str) -> SettingsError {
+    /// The error for a value that is not what is expected.
+    #[must_use]
+    pub fn wrong(name: &str, value: &str, expected: &str) -> SettingsError {
         SettingsError::Value { name: name.into(), value: value.into(), expected: format!("expected {expected}") }
     }
 }

@@ -30,6 +30,10 @@ impl Scene {
             _ => return None,
         };
         let mut value = self.emitted(path.vertex(0), edge(0).direction, k) * importance.value;
+        if value.is_black() {
+            // Vertices drawn twice at one place have no direction and no geometry factor, but they emit nothing either.
+            return Some(Contribution { pixel: importance.pixel, value });
+        }
         for i in 0..k {
             value *= edge(i).geometry(path.vertex(i), path.vertex(i + 1));
         }

@@ -102,8 +102,10 @@ impl Scene {
         }
     }
 
-    /// Density of x_0 … x_{s−1}.
-    fn emitter_walk_density(&self, path: &Path, s: usize, roulette: Roulette) -> Wide {
+    /// The density with which a walk from the emitters draws the first s vertices x_0 … x_{s−1}; with s = 1 that of a point
+    /// drawn for x_1.
+    #[must_use]
+    pub fn emitter_walk_density(&self, path: &Path, s: usize, roulette: Roulette) -> Wide {
         if s == 0 {
             return Wide::ONE;
         }
@@ -122,8 +124,10 @@ impl Scene {
         start * self.walk_density(&vertices, Side::Emitter, roulette)
     }
 
-    /// Density of x_k … x_s, t of them, for the pixel that they belong to.
-    fn sensor_walk_density(&self, path: &Path, t: usize, roulette: Roulette) -> Wide {
+    /// The density with which a walk from the sensor draws the last t vertices x_k … x_{k−t+1}, for the pixel that they
+    /// belong to; with t = 1 that of a point drawn for x_{k−1}.
+    #[must_use]
+    pub fn sensor_walk_density(&self, path: &Path, t: usize, roulette: Roulette) -> Wide {
         if t == 0 {
             return Wide::ONE;
         }

@@ -1,6 +1,7 @@
 //! From a description to a scene: centring, rounding, choosing what is sampled, and refusing what makes no sense.
 
 use std::path::PathBuf;
+use std::sync::OnceLock;
 
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
@@ -114,6 +115,7 @@ impl Builder<'_> {
             sensor,
             hints: self.description.render,
             reference: self.description.reference.clone(),
+            surfaces: OnceLock::new(),
         };
         Ok((scene, self.notes))
     }

@@ -11,6 +11,9 @@ pub mod gltf;
 pub mod mitsuba;
 mod scatter;
 pub mod sensor;
+mod surfaces;
+
+use std::sync::OnceLock;
 
 use glam::{DVec3, Vec3};
 
@@ -31,6 +34,7 @@ pub use description::SceneDescription;
 pub use emitter::EmitterId;
 pub use error::SceneError;
 pub use scatter::Scattered;
+pub use surfaces::Surfaces;
 
 /// Index of a material of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -53,6 +57,8 @@ pub struct Scene {
     sensor: Sensor,
     hints: RenderHints,
     reference: Option<Reference>,
+    /// Made when somebody asks.
+    surfaces: OnceLock<Option<Surfaces>>,
 }
 
 /// What all triangles of a mesh, or a sphere, have in common.
@@ -118,6 +124,12 @@ impl Scene {
     #[must_use]
     pub fn emitters(&self) -> &[Emitter] {
         &self.emitters
+    }
+
+    /// All surfaces as one; `None` where there are none.
+    #[must_use]
+    pub fn surfaces(&self) -> Option<&Surfaces> {
+        self.surfaces.get_or_init(|| Surfaces::new(self)).as_ref()
     }
 
     /// An emitter by its id.

@@ -164,6 +164,18 @@ impl Scene {
         if material.transmits { refraction_scale(material, vertex.shading_normal, to_emitter, to_sensor) } else { 1.0 }
     }
 
+    /// Light passes through the surface at this vertex.
+    #[must_use]
+    pub fn transmits(&self, vertex: &Vertex) -> bool {
+        self.material_of(vertex).transmits
+    }
+
+    /// Some surface scatters by Dirac lobes alone: a mirror, smooth glass.
+    #[must_use]
+    pub fn has_dirac_surfaces(&self) -> bool {
+        self.materials.iter().any(|material| !material.bsdf.has_finite())
+    }
+
     /// A connection to this vertex can succeed: it scatters by finite lobes too.
     #[must_use]
     #[inline]

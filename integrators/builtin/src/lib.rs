@@ -1,4 +1,4 @@
-//! The built-in integrators, all in one registry.
+//! The built-in integrators and samplers, all in one registry.
 
 use pathspace::estimator::Registry;
 
@@ -10,4 +10,7 @@ pub fn registry() -> Registry {
         .with(pathspace_path::ENTRY)
         .with(pathspace_light::ENTRY)
         .with(pathspace_path_bsdf::ENTRY)
+        .with_sampler(pathspace_direct::SAMPLER)
+        .with_sampler(pathspace_area::SAMPLER)
+        .with_sampler(pathspace_walks::SAMPLER)
 }

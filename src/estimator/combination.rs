@@ -1,0 +1,95 @@
+//! Multiple importance sampling over any samplers, by the densities of whole paths.
+
+use std::ops::RangeInclusive;
+
+use crate::path::Path;
+use crate::sampler::{PathSampler, Random, Tracer};
+use crate::scene::Scene;
+use crate::scene::sensor::Pixel;
+use crate::wide::Wide;
+
+use super::heuristic::Heuristic;
+use super::integrator::Estimator;
+use super::lengths::Lengths;
+use super::settings::{Settings, SettingsError};
+use super::sink::{Sink, Term};
+
+/// Estimates `Σ_i Σ_j w_i(x̄_ij) f(x̄_ij) / (n_i p_i(x̄_ij))` with the definition of f and of each sampler's p_i.
+///
+/// It evaluates everything anew for each path: as slow as general. Fast integrators are tested against it.
+#[derive(Debug)]
+pub struct Combination {
+    /// The samplers.
+    pub samplers: Vec<Box<dyn PathSampler>>,
+    /// How they share a path.
+    pub heuristic: Heuristic,
+    /// How lengths are estimated.
+    pub lengths: Lengths,
+    /// Longest path in edges.
+    pub max_length: u32,
+}
+
+impl Combination {
+    /// Of these samplers, with the user's settings.
+    ///
+    /// # Errors
+    /// Where a setting makes no sense, or samples would never end.
+    pub fn new(samplers: Vec<Box<dyn PathSampler>>, settings: &mut Settings) -> Result<Self, SettingsError> {
+        let heuristic = if samplers.len() > 1 { settings.heuristic()? } else { Heuristic::Balance };
+        let combination =
+            Self { lengths: Lengths::new(settings)?, max_length: settings.max_length()?, heuristic, samplers };
+        let endless = combination.lengths.apart() || combination.samplers.iter().any(|sampler| !sampler.ends());
+        if endless && combination.max_length == u32::MAX && !combination.lengths.ends() {
+            return Err(Settings::wrong(
+                "max_length",
+                "none",
+                "a longest length, or terms=single or up_to: it would never end",
+            ));
+        }
+        Ok(combination)
+    }
+
+    fn give<S: Sink>(&self, tracer: &mut Tracer<'_>, i: usize, path: Path, sink: &mut S) {
+        let scene = tracer.scene();
+        let Some(contribution) = scene.contribution(&path).filter(|c| !c.value.is_black()) else { return };
+        if !path.vertices().windows(2).all(|edge| tracer.visible(&edge[0], &edge[1])) {
+            return;
+        }
+        let edges = path.edges() as u32;
+        let density = |j: usize| self.samplers[j].density(scene, &path) * self.samplers[j].count(scene);
+        let own = density(i);
+        let ratio = |j: usize| (density(j) / own).to_f64();
+        let weight = self.heuristic.weight((0..i).map(ratio), (i + 1..self.samplers.len()).map(ratio));
+        let scale = weight / self.lengths.probability(edges);
+        let value = contribution.value.map(|f| (Wide::new(f * scale) / own).to_f64());
+        let technique = self.samplers[i].technique(edges);
+        sink.add(Term { pixel: contribution.pixel, value, technique, weight }, || Some(path));
+    }
+}
+
+impl Estimator for Combination {
+    type Scratch = ();
+
+    fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
+        let lengths = self.lengths.draw(self.max_length, random);
+        let mut draw = |i: usize, lengths: RangeInclusive<u32>, random: &mut Random| {
+            let mut paths = Vec::new();
+            self.samplers[i].sample(lengths, tracer, random, pixel, &mut |path| paths.push(path));
+            paths.into_iter().for_each(|path| self.give(tracer, i, path, sink));
+        };
+        for i in 0..self.samplers.len() {
+            if self.lengths.apart() {
+                lengths.clone().for_each(|length| draw(i, length..=length, random));
+            } else if !lengths.is_empty() {
+                draw(i, lengths.clone(), random);
+            }
+        }
+    }
+
+    /// All light that one of the samplers misses must be found by another; that cannot be told in general, so one of them
+    /// has to find all.
+    fn supports(&self, scene: &Scene) -> Result<(), String> {
+        let reasons: Vec<String> = self.samplers.iter().filter_map(|sampler| sampler.covers(scene).err()).collect();
+        if reasons.len() < self.samplers.len() { Ok(()) } else { Err(reasons.join("; ")) }
+    }
+}

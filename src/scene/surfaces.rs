@@ -1,0 +1,57 @@
+//! Points of the scene's surfaces, uniform by area.
+
+use glam::DVec3;
+
+use crate::geometry::Ray;
+use crate::measure::{Area, Density};
+use crate::path::Vertex;
+use crate::warp;
+
+use super::Scene;
+use super::accel::{Hit, PrimitiveId};
+use super::discrete::Discrete;
+
+/// All surfaces of a scene as one, to draw points of.
+#[derive(Clone, Debug)]
+pub struct Surfaces {
+    primitives: Vec<PrimitiveId>,
+    choice: Discrete,
+    area: f64,
+}
+
+impl Surfaces {
+    pub(super) fn new(scene: &Scene) -> Option<Self> {
+        let accel = scene.accel();
+        let triangles = accel.triangles().map(|(id, triangle)| (id, triangle.area()));
+        let spheres = accel.spheres().iter().enumerate().map(|(i, sphere)| (accel.sphere_id(i), sphere.area()));
+        let (primitives, areas): (Vec<_>, Vec<_>) = triangles.chain(spheres).unzip();
+        let area = areas.iter().sum();
+        let choice = Discrete::new(areas).filter(|choice| !choice.is_empty() && area > 0.0)?;
+        Some(Self { primitives, choice, area })
+    }
+
+    /// Their area; both sides of a surface count once \[m²\].
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// `1 / area` \[1/m²\].
+    #[must_use]
+    pub fn density(&self) -> Density<Area> {
+        Density::new(1.0 / self.area)
+    }
+
+    /// Draws a point; `u` is uniform in `[0, 1)³`.
+    #[must_use]
+    pub fn sample(&self, scene: &Scene, u: [f64; 3]) -> Vertex {
+        let primitive = self.primitives[self.choice.sample(u[0])];
+        let u = [u[1], u[2]];
+        let [_, v, w] = warp::uniform_triangle(u);
+        let (ray, t) = match scene.accel().as_sphere(primitive) {
+            Some(sphere) => (Ray::new(sphere.centre, warp::uniform_sphere(u)), sphere.radius),
+            None => (Ray::new(DVec3::ZERO, DVec3::Z), 0.0),
+        };
+        scene.surface_vertex(&ray, &Hit { t, primitive, barycentric: [v, w] })
+    }
+}
