@@ -1,11 +1,13 @@
 //! Multiple importance sampling over any samplers, by the densities of whole paths.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use crate::path::Path;
 use crate::sampler::{PathSampler, Random, Tracer};
 use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
+use crate::spectrum::Rgb;
 use crate::wide::Wide;
 
 use super::heuristic::Heuristic;
@@ -17,10 +19,10 @@ use super::sink::{Sink, Term};
 /// Estimates `Σ_i Σ_j w_i(x̄_ij) f(x̄_ij) / (n_i p_i(x̄_ij))` with the definition of f and of each sampler's p_i.
 ///
 /// It evaluates everything anew for each path: as slow as general. Fast integrators are tested against it.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Combination {
     /// The samplers.
-    pub samplers: Vec<Box<dyn PathSampler>>,
+    pub samplers: Vec<Arc<dyn PathSampler>>,
     /// How they share a path.
     pub heuristic: Heuristic,
     /// How lengths are estimated.
@@ -34,7 +36,7 @@ impl Combination {
     ///
     /// # Errors
     /// Where a setting makes no sense, or samples would never end.
-    pub fn new(samplers: Vec<Box<dyn PathSampler>>, settings: &mut Settings) -> Result<Self, SettingsError> {
+    pub fn new(samplers: Vec<Arc<dyn PathSampler>>, settings: &mut Settings) -> Result<Self, SettingsError> {
         let heuristic = if samplers.len() > 1 { settings.heuristic()? } else { Heuristic::Balance };
         let combination =
             Self { lengths: Lengths::new(settings)?, max_length: settings.max_length()?, heuristic, samplers };
@@ -49,6 +51,36 @@ impl Combination {
         Ok(combination)
     }
 
+    /// Of these samplers, all lengths up to the longest from each sample.
+    #[must_use]
+    pub fn of(samplers: Vec<Arc<dyn PathSampler>>, heuristic: Heuristic, max_length: u32) -> Self {
+        Self { samplers, heuristic, lengths: Lengths::Together, max_length }
+    }
+
+    /// `n_i p_i(x̄)` of all samplers.
+    #[must_use]
+    pub fn densities(&self, scene: &Scene, path: &Path) -> Vec<Wide> {
+        self.samplers.iter().map(|sampler| sampler.density(scene, path) * sampler.count(scene)).collect()
+    }
+
+    /// `w_i(x̄)`, given all `n_j p_j(x̄)`; zero where `p_i` is.
+    #[must_use]
+    pub fn weight(&self, densities: &[Wide], i: usize) -> f64 {
+        if densities[i].is_zero() {
+            return 0.0;
+        }
+        let ratio = |j: usize| (densities[j] / densities[i]).to_f64();
+        self.heuristic.weight((0..i).map(ratio), (i + 1..densities.len()).map(ratio))
+    }
+
+    /// The estimate from a path that sampler i has drawn: `w_i f / (n_i p_i)`, over the probability that its length is
+    /// estimated at all.
+    #[must_use]
+    pub fn estimate(&self, f: Rgb, edges: u32, densities: &[Wide], i: usize) -> Rgb {
+        let scale = self.weight(densities, i) / self.lengths.probability(edges);
+        f.map(|f| (Wide::new(f * scale) / densities[i]).to_f64())
+    }
+
     fn give<S: Sink>(&self, tracer: &mut Tracer<'_>, i: usize, path: Path, sink: &mut S) {
         let scene = tracer.scene();
         let Some(contribution) = scene.contribution(&path).filter(|c| !c.value.is_black()) else { return };
@@ -56,12 +88,9 @@ impl Combination {
             return;
         }
         let edges = path.edges() as u32;
-        let density = |j: usize| self.samplers[j].density(scene, &path) * self.samplers[j].count(scene);
-        let own = density(i);
-        let ratio = |j: usize| (density(j) / own).to_f64();
-        let weight = self.heuristic.weight((0..i).map(ratio), (i + 1..self.samplers.len()).map(ratio));
-        let scale = weight / self.lengths.probability(edges);
-        let value = contribution.value.map(|f| (Wide::new(f * scale) / own).to_f64());
+        let densities = self.densities(scene, &path);
+        let weight = self.weight(&densities, i);
+        let value = self.estimate(contribution.value, edges, &densities, i);
         let technique = self.samplers[i].technique(edges);
         sink.add(Term { pixel: contribution.pixel, value, technique, weight }, || Some(path));
     }
@@ -84,6 +113,10 @@ impl Estimator for Combination {
                 draw(i, lengths.clone(), random);
             }
         }
+    }
+
+    fn definition(&self, _longest: u32) -> Option<Combination> {
+        Some(self.clone())
     }
 
     /// All light that one of the samplers misses must be found by another; that cannot be told in general, so one of them

@@ -6,6 +6,7 @@ use crate::sampler::{Random, Tracer};
 use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
 
+use super::combination::Combination;
 use super::driver::{self, Control};
 use super::sink::{RecordedTerm, Recorder, Sink};
 
@@ -26,6 +27,12 @@ pub trait Estimator: Send + Sync {
         sink: &mut S,
     );
 
+    /// What it claims to equal, path by path, for paths of up to `longest` edges: samplers with their full densities, and
+    /// how they are weighted. The checks of [`testing`](crate::testing) hold it to that.
+    fn definition(&self, _longest: u32) -> Option<Combination> {
+        None
+    }
+
     /// Why it cannot render a scene, for the user; `Ok` where it can.
     ///
     /// # Errors
@@ -42,6 +49,11 @@ pub trait Integrator: Send + Sync {
 
     /// The terms and paths of one sample.
     fn replay(&self, scene: &Scene, key: ReplayKey) -> Vec<RecordedTerm>;
+
+    /// See [`Estimator::definition`].
+    fn definition(&self, _longest: u32) -> Option<Combination> {
+        None
+    }
 
     /// Why it cannot render a scene, for the user; `Ok` where it can.
     ///
@@ -61,6 +73,10 @@ impl<E: Estimator> Integrator for E {
         let mut random = driver::random_of(scene, key.seed, pixel, key.sample);
         self.sample(&mut Tracer::new(scene), &mut random, pixel, &mut E::Scratch::default(), &mut recorder);
         recorder.terms
+    }
+
+    fn definition(&self, longest: u32) -> Option<Combination> {
+        Estimator::definition(self, longest)
     }
 
     fn supports(&self, scene: &Scene) -> Result<(), String> {

@@ -1,6 +1,7 @@
 //! The integrators that a command line knows.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use thiserror::Error;
 
@@ -32,7 +33,7 @@ pub struct SamplerEntry {
     /// What it does, in one line.
     pub summary: &'static str,
     /// Makes it.
-    pub build: fn(&mut Settings) -> Result<Box<dyn PathSampler>, SettingsError>,
+    pub build: fn(&mut Settings) -> Result<Arc<dyn PathSampler>, SettingsError>,
 }
 
 /// All integrators that a command line knows, and all samplers to make more of.
@@ -150,7 +151,7 @@ impl Registry {
     }
 
     /// The samplers of `mis`: `samplers=walks(s=1)+area`, each with its own settings in parentheses, separated by spaces.
-    fn combined(&self, settings: &mut Settings) -> Result<Vec<Box<dyn PathSampler>>, SettingsError> {
+    fn combined(&self, settings: &mut Settings) -> Result<Vec<Arc<dyn PathSampler>>, SettingsError> {
         let text = settings.get("samplers", String::new(), "")?;
         let wrong = |expected: &str| Settings::wrong("samplers", &text, expected);
         if text.is_empty() {

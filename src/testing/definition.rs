@@ -1,23 +1,8 @@
 //! The proof of a fast integrator: every term it gives equals what the definition says of its path.
 
-use crate::estimator::{Estimator, Heuristic, RecordedTerm, Recorder};
-use crate::path::{Technique, WalkRules};
-use crate::sampler::Tracer;
+use crate::estimator::{Combination, Integrator, RecordedTerm};
+use crate::film::ReplayKey;
 use crate::scene::Scene;
-use crate::scene::sensor::Pixel;
-use crate::wide::Wide;
-
-/// A set of bidirectional techniques with everything that their weights depend on.
-pub struct Definition<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// How the walks end.
-    pub rules: WalkRules,
-    /// How techniques share a path.
-    pub heuristic: Heuristic,
-    /// Which techniques take part, of those for paths with this many edges.
-    pub takes_part: fn(Technique) -> bool,
-}
 
 /// What comparing a term with the definition gave.
 #[derive(Clone, Debug)]
@@ -34,77 +19,59 @@ pub struct Comparison {
     pub partition: f64,
 }
 
-impl Definition<'_> {
-    /// `n_i`, the number of samples of a technique that serve a pixel in one pass: light walks serve all of them.
-    #[must_use]
-    pub fn count(&self, technique: Technique) -> f64 {
-        let film = self.scene.sensor().film();
-        if technique.t <= 1 { f64::from(film.width) * f64::from(film.height) } else { 1.0 }
+/// Draws `passes` samples in every pixel and compares each term with the combination that the integrator claims to equal.
+#[must_use]
+pub fn compare(
+    integrator: &dyn Integrator,
+    combination: &Combination,
+    scene: &Scene,
+    seed: u64,
+    passes: u64,
+) -> Comparison {
+    let mut comparison = Comparison { terms: 0, value: (0.0, None), weight: (0.0, None), hidden: 0, partition: 0.0 };
+    for term in replay_all(integrator, scene, seed, passes) {
+        compare_term(combination, scene, &mut comparison, &term);
     }
+    comparison
+}
 
-    /// `n_i p_i(x̄)` of all techniques that take part, in order of s; zero for the others.
-    #[must_use]
-    pub fn densities(&self, path: &crate::path::Path) -> Vec<Wide> {
-        Technique::all(path.edges() as u32)
-            .map(|technique| {
-                if (self.takes_part)(technique) {
-                    self.scene.path_density(path, technique, &self.rules) * self.count(technique)
-                } else {
-                    Wide::ZERO
-                }
-            })
-            .collect()
-    }
+/// The terms of `passes` samples in every pixel.
+pub fn replay_all<'a>(
+    integrator: &'a dyn Integrator,
+    scene: &'a Scene,
+    seed: u64,
+    passes: u64,
+) -> impl Iterator<Item = RecordedTerm> + 'a {
+    let film = scene.sensor().film();
+    let pixels = move || (0..film.height).flat_map(move |y| (0..film.width).map(move |x| (x, y)));
+    let keys = (0..passes).flat_map(move |sample| pixels().map(move |pixel| ReplayKey { seed, sample, pixel }));
+    keys.flat_map(move |key| integrator.replay(scene, key))
+}
 
-    /// `w_i(x̄)` for the technique number i, given all `n_j p_j(x̄)`.
-    #[must_use]
-    pub fn weight(&self, densities: &[Wide], i: usize) -> f64 {
-        if densities[i].is_zero() {
-            return 0.0;
-        }
-        let ratio = |j: usize| (densities[j] / densities[i]).to_f64();
-        self.heuristic.weight((0..i).map(ratio), (i + 1..densities.len()).map(ratio))
-    }
-
-    /// Draws `passes` samples in every pixel and compares each term with the definition.
-    #[must_use]
-    pub fn compare<E: Estimator>(&self, estimator: &E, seed: u64, passes: u64) -> Comparison {
-        let film = self.scene.sensor().film();
-        let mut comparison =
-            Comparison { terms: 0, value: (0.0, None), weight: (0.0, None), hidden: 0, partition: 0.0 };
-        let mut scratch = E::Scratch::default();
-        for sample in 0..passes {
-            for (x, y) in (0..film.height).flat_map(|y| (0..film.width).map(move |x| (x, y))) {
-                let pixel = Pixel { x, y };
-                let mut recorder = Recorder::default();
-                let mut random = crate::estimator::driver::random_of(self.scene, seed, pixel, sample);
-                estimator.sample(&mut Tracer::new(self.scene), &mut random, pixel, &mut scratch, &mut recorder);
-                recorder.terms.into_iter().for_each(|term| self.compare_term(&mut comparison, &term));
-            }
-        }
-        comparison
-    }
-
-    fn compare_term(&self, comparison: &mut Comparison, recorded: &RecordedTerm) {
-        let RecordedTerm { term, path } = recorded;
-        let densities = self.densities(path);
-        let i = term.technique.s as usize;
-        let weight = self.weight(&densities, i);
-        let total: f64 = (0..densities.len()).map(|j| self.weight(&densities, j)).sum();
-        comparison.partition = comparison.partition.max((total - 1.0).abs());
-        let contribution = self.scene.contribution(path);
-        let value = contribution.filter(|c| c.pixel == term.pixel).map_or(f64::NAN, |c| {
-            let estimate = |f: f64| (Wide::new(f * weight) / densities[i]).to_f64();
-            let (ours, theirs) = (term.value.to_array(), c.value.to_array().map(estimate));
-            let difference = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            difference / term.value.max_component().max(f64::MIN_POSITIVE)
-        });
-        comparison.terms += 1;
-        comparison.hidden += path.vertices().windows(2).filter(|e| !self.scene.visible(&e[0], &e[1])).count();
-        let weight_difference = (weight - term.weight).abs();
-        keep_worst(&mut comparison.value, value, recorded);
-        keep_worst(&mut comparison.weight, weight_difference, recorded);
-    }
+fn compare_term(combination: &Combination, scene: &Scene, comparison: &mut Comparison, recorded: &RecordedTerm) {
+    let RecordedTerm { term, path } = recorded;
+    let edges = path.edges() as u32;
+    let densities = combination.densities(scene, path);
+    let drawn_by = |i: &usize| combination.samplers[*i].technique(edges) == term.technique && !densities[*i].is_zero();
+    comparison.terms += 1;
+    comparison.hidden += path.vertices().windows(2).filter(|e| !scene.visible(&e[0], &e[1])).count();
+    let Some(i) = (0..densities.len()).find(drawn_by) else {
+        // No sampler of the definition can have drawn it.
+        keep_worst(&mut comparison.value, f64::INFINITY, recorded);
+        return;
+    };
+    let weight = combination.weight(&densities, i);
+    let total: f64 = (0..densities.len()).map(|j| combination.weight(&densities, j)).sum();
+    comparison.partition = comparison.partition.max((total - 1.0).abs());
+    let contribution = scene.contribution(path).filter(|c| c.pixel == term.pixel);
+    let value = contribution.map_or(f64::NAN, |c| {
+        let ours = term.value.to_array();
+        let theirs = combination.estimate(c.value, edges, &densities, i).to_array();
+        let difference = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        difference / term.value.max_component().max(f64::MIN_POSITIVE)
+    });
+    keep_worst(&mut comparison.value, value, recorded);
+    keep_worst(&mut comparison.weight, (weight - term.weight).abs(), recorded);
 }
 
 /// Keeps the larger deviation with its term; NaN is the largest of all.

@@ -1,9 +1,8 @@
 //! Fast integrators equal the definition, path by path.
 
 use pathspace::estimator::{Estimator, RecordedTerm, Settings};
-use pathspace::path::{Roulette, Technique, WalkRules};
 use pathspace::scene::description::{FilmSize, SceneDescription};
-use pathspace::testing::definition::Definition;
+use pathspace::testing::definition::compare;
 use pathspace::testing::scenes;
 use pathspace_bdpt::Bidirectional;
 use pathspace_light::LightTracer;
@@ -12,16 +11,10 @@ use pathspace_path_bsdf::BsdfPathTracer;
 
 const FILM: FilmSize = FilmSize { width: 12, height: 9 };
 
-fn check<E: Estimator>(
-    scene: &SceneDescription,
-    estimator: &E,
-    rules: WalkRules,
-    heuristic: pathspace::estimator::Heuristic,
-    takes_part: fn(Technique) -> bool,
-) {
+fn check<E: Estimator>(scene: &SceneDescription, estimator: &E) {
     let built = scenes::build(scene);
-    let definition = Definition { scene: &built, rules, heuristic, takes_part };
-    let comparison = definition.compare(estimator, 1, 30);
+    let definition = Estimator::definition(estimator, 8).expect("it has one");
+    let comparison = compare(estimator, &definition, &built, 1, 30);
     assert!(comparison.terms > 100, "{}: only {} terms", scene.name, comparison.terms);
     let term = |term: &Option<RecordedTerm>| term.as_ref().map_or_else(String::new, ToString::to_string);
     let (value, weight) = (&comparison.value, &comparison.weight);
@@ -33,10 +26,6 @@ fn check<E: Estimator>(
 
 fn all_scenes() -> [SceneDescription; 4] {
     [scenes::room(FILM), scenes::cabinet(FILM), scenes::terrace(FILM), scenes::gallery(FILM)]
-}
-
-fn rules(roulette: Roulette) -> WalkRules {
-    WalkRules { sensor: roulette, emitter: roulette }
 }
 
 const SETTINGS: [&str; 5] = [
@@ -55,8 +44,7 @@ fn settings(text: &str) -> Settings {
 fn path_equals_the_definition() {
     for scene in all_scenes() {
         for text in SETTINGS {
-            let e = PathTracer::new(&mut settings(text)).expect("valid");
-            check(&scene, &e, rules(e.roulette), e.heuristic, |technique| technique.s <= 1 && technique.t >= 2);
+            check(&scene, &PathTracer::new(&mut settings(text)).expect("valid"));
         }
     }
 }
@@ -65,8 +53,7 @@ fn path_equals_the_definition() {
 fn light_equals_the_definition() {
     for scene in all_scenes() {
         for text in SETTINGS {
-            let e = LightTracer::new(&mut settings(text)).expect("valid");
-            check(&scene, &e, rules(e.roulette), e.heuristic, |technique| technique.t <= 1);
+            check(&scene, &LightTracer::new(&mut settings(text)).expect("valid"));
         }
     }
 }
@@ -74,9 +61,7 @@ fn light_equals_the_definition() {
 #[test]
 fn path_bsdf_equals_the_definition() {
     for scene in all_scenes() {
-        let e = BsdfPathTracer::new(&mut settings("max_length=6")).expect("valid");
-        let heuristic = pathspace::estimator::Heuristic::Balance;
-        check(&scene, &e, rules(e.roulette), heuristic, |technique| technique.s == 0);
+        check(&scene, &BsdfPathTracer::new(&mut settings("max_length=6")).expect("valid"));
     }
 }
 
@@ -84,8 +69,7 @@ fn path_bsdf_equals_the_definition() {
 fn bdpt_equals_the_definition() {
     for scene in all_scenes() {
         for text in SETTINGS.iter().filter(|text| !text.contains("throughput")) {
-            let e = Bidirectional::new(&mut settings(text)).expect("valid");
-            check(&scene, &e, rules(e.roulette), e.heuristic, |_| true);
+            check(&scene, &Bidirectional::new(&mut settings(text)).expect("valid"));
         }
     }
 }

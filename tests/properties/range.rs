@@ -1,18 +1,22 @@
 //! Weights of long and of nearly specular paths, whose densities no floating-point number holds.
 
-use pathspace::estimator::{Estimator, Heuristic, Recorder, Settings, driver};
-use pathspace::path::{Roulette, Technique, WalkRules};
+use pathspace::estimator::{Combination, Estimator, Heuristic, Recorder, Settings, driver};
 use pathspace::sampler::Tracer;
 use pathspace::scene::description::{BsdfDescription, FilmSize};
 use pathspace::scene::sensor::Pixel;
 use pathspace::spectrum::Rgb;
-use pathspace::testing::definition::Definition;
+use pathspace::testing::definition::compare;
 use pathspace::testing::scenes;
 use pathspace_bdpt::Bidirectional;
 use pathspace_path_bsdf::BsdfPathTracer;
 
-const RULES: WalkRules = WalkRules { sensor: Roulette::Off, emitter: Roulette::Off };
 const FILM: FilmSize = FilmSize { width: 4, height: 4 };
+
+fn all_techniques(longest: u32) -> Combination {
+    let bdpt =
+        Bidirectional::new(&mut Settings::parse(&format!("max_length={longest}:roulette=off")).unwrap()).unwrap();
+    Estimator::definition(&bdpt, longest).unwrap()
+}
 
 #[test]
 fn weights_of_a_thousand_vertices_add_up_to_one() {
@@ -31,8 +35,8 @@ fn weights_of_a_thousand_vertices_add_up_to_one() {
         Heuristic::Maximum,
         Heuristic::Cutoff { threshold: 0.1 },
     ] {
-        let definition = Definition { scene: &scene, rules: RULES, heuristic, takes_part: |_| true };
-        let densities = definition.densities(path);
+        let definition = Combination { heuristic, ..all_techniques(1000) };
+        let densities = definition.densities(&scene, path);
         let plain = densities.iter().filter(|p| (1e-300..1e300).contains(&p.to_f64())).count();
         assert!(plain < densities.len() / 2, "the path is no test: {plain} densities are in range");
         let total: f64 = (0..densities.len()).map(|i| definition.weight(&densities, i)).sum();
@@ -53,9 +57,7 @@ fn nearly_specular_paths_equal_the_definition() {
     }
     let scene = scenes::build(&description);
     let bdpt = Bidirectional::new(&mut Settings::parse("max_length=6:roulette=off").unwrap()).unwrap();
-    let takes_part: fn(Technique) -> bool = |_| true;
-    let definition = Definition { scene: &scene, rules: RULES, heuristic: Heuristic::Balance, takes_part };
-    let comparison = definition.compare(&bdpt, 5, 200);
+    let comparison = compare(&bdpt, &all_techniques(6), &scene, 5, 200);
     assert!(comparison.terms > 10_000, "only {} terms", comparison.terms);
     assert!(comparison.partition < 1e-9, "weights add up to 1 ± {}", comparison.partition);
     // The half vector of a lobe 10⁻⁶ wide keeps about ten of its digits.

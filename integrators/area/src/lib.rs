@@ -2,6 +2,7 @@
 //! product of `1/A`. It is the rendering equation over areas (Kajiya 1986) term by term, and as noisy as simple.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use pathspace::estimator::SamplerEntry;
 use pathspace::path::{Path, Technique};
@@ -15,7 +16,7 @@ use pathspace::wide::Wide;
 pub const SAMPLER: SamplerEntry = SamplerEntry {
     name: "area",
     summary: "all vertices by area on the surfaces: p is a product of 1/A",
-    build: |_| Ok(Box::new(AreaSampler)),
+    build: |_| Ok(Arc::new(AreaSampler)),
 };
 
 /// `p(x̄) = A^−k p(x_k | x_{k−1})`: k points on surfaces of area A, and one on the sensor for the last of them. Each sample

@@ -9,10 +9,11 @@ mod connect;
 mod walk;
 mod weight;
 
-use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink};
+use pathspace::estimator::{Combination, Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink};
 use pathspace::path::Roulette;
 use pathspace::sampler::{Random, Tracer};
 use pathspace::scene::sensor::Pixel;
+use pathspace_walks::{Fixed, Walks};
 
 use connect::Connector;
 use walk::{Limits, WalkVertex};
@@ -65,6 +66,12 @@ pub struct Scratch {
 
 impl Estimator for Bidirectional {
     type Scratch = Scratch;
+
+    fn definition(&self, longest: u32) -> Option<Combination> {
+        let kinds = (0..longest).map(Fixed::Emitter).chain([1, 0].map(Fixed::Sensor));
+        let samplers = kinds.map(|fixed| Walks::shared(fixed, self.roulette)).collect();
+        Some(Combination::of(samplers, self.heuristic, self.max_length))
+    }
 
     fn sample<S: Sink>(
         &self,

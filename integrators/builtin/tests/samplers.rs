@@ -107,7 +107,7 @@ fn bdpt_is_a_combination() {
 
     const LONGEST: u32 = 5;
     let names = (0..=LONGEST).map(|s| format!("s={s}")).chain(["t=1".into(), "t=0".into()]);
-    let samplers: Vec<Box<dyn PathSampler>> =
+    let samplers: Vec<std::sync::Arc<dyn PathSampler>> =
         names.map(|text| (pathspace_walks::SAMPLER.build)(&mut Settings::parse(&text).unwrap()).unwrap()).collect();
     let size = FilmSize { width: 12, height: 9 };
     for scene in [scenes::room(size), scenes::cabinet(size), scenes::terrace(size), scenes::gallery(size)] {

@@ -5,6 +5,7 @@
 
 use std::f64::consts::{FRAC_1_PI, PI};
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use glam::DVec3;
 use pathspace::estimator::{SamplerEntry, Settings, SettingsError};
@@ -23,7 +24,7 @@ use pathspace::wide::Wide;
 pub const SAMPLER: SamplerEntry = SamplerEntry {
     name: "direct",
     summary: "the edge from the emitter by=hemisphere, cosine, bsdf, emitters (default) or surfaces",
-    build: |settings| Ok(Box::new(Direct::new(settings)?)),
+    build: |settings| Ok(Arc::new(Direct::new(settings)?)),
 };
 
 /// How x_0 is drawn for x_1.

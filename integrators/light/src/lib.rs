@@ -7,7 +7,7 @@
 use std::iter;
 
 use glam::DVec3;
-use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
+use pathspace::estimator::{Combination, Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
 use pathspace::measure::{Area, Density, SolidAngle};
 use pathspace::path::{Edge, Path, Roulette, Technique, Vertex};
 use pathspace::sampler::{Random, Tracer};
@@ -15,6 +15,7 @@ use pathspace::scene::bsdf::{LobeDensity, Side};
 use pathspace::scene::sensor::Pixel;
 use pathspace::scene::{EmitterId, Scene};
 use pathspace::spectrum::Rgb;
+use pathspace_walks::{Fixed, Walks};
 
 /// For the registry.
 pub const ENTRY: Entry = Entry {
@@ -82,6 +83,11 @@ struct Departure {
 
 impl Estimator for LightTracer {
     type Scratch = ();
+
+    fn definition(&self, _longest: u32) -> Option<Combination> {
+        let samplers = [1, 0].map(|t| Walks::shared(Fixed::Sensor(t), self.roulette));
+        Some(Combination::of(samplers.into(), self.heuristic, self.max_length))
+    }
 
     fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, _pixel: Pixel, (): &mut (), sink: &mut S) {
         let scene = tracer.scene();

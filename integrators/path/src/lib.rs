@@ -7,7 +7,7 @@
 use std::iter;
 
 use glam::DVec3;
-use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
+use pathspace::estimator::{Combination, Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
 use pathspace::measure::{Area, Density, SolidAngle};
 use pathspace::path::{Edge, Path, Roulette, Technique, Vertex};
 use pathspace::sampler::{Random, Tracer};
@@ -15,6 +15,7 @@ use pathspace::scene::Scene;
 use pathspace::scene::bsdf::{LobeDensity, Side};
 use pathspace::scene::sensor::Pixel;
 use pathspace::spectrum::Rgb;
+use pathspace_walks::{Fixed, Walks};
 
 /// For the registry.
 pub const ENTRY: Entry = Entry {
@@ -83,6 +84,11 @@ struct Arrival {
 
 impl Estimator for PathTracer {
     type Scratch = ();
+
+    fn definition(&self, _longest: u32) -> Option<Combination> {
+        let samplers = [0, 1].map(|s| Walks::shared(Fixed::Emitter(s), self.roulette));
+        Some(Combination::of(samplers.into(), self.heuristic, self.max_length))
+    }
 
     fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
         let scene = tracer.scene();

@@ -3,7 +3,7 @@
 //! A path of k edges is drawn by the walk from the sensor that ends on an emitter by chance, technique s = 0. Lights without
 //! a surface are never met.
 
-use pathspace::estimator::{Entry, Estimator, Integrator, Settings, SettingsError, Sink, Term};
+use pathspace::estimator::{Combination, Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
 use pathspace::path::{Path, Roulette, Technique};
 use pathspace::sampler::{Random, Tracer};
 use pathspace::scene::Scene;
@@ -11,6 +11,7 @@ use pathspace::scene::bsdf::Side;
 use pathspace::scene::emitter::Emitter;
 use pathspace::scene::sensor::Pixel;
 use pathspace::spectrum::Rgb;
+use pathspace_walks::{Fixed, Walks};
 
 /// For the registry.
 pub const ENTRY: Entry = Entry {
@@ -40,6 +41,11 @@ impl BsdfPathTracer {
 
 impl Estimator for BsdfPathTracer {
     type Scratch = ();
+
+    fn definition(&self, _longest: u32) -> Option<Combination> {
+        let sampler = Walks::shared(Fixed::Emitter(0), self.roulette);
+        Some(Combination::of(vec![sampler], Heuristic::Balance, self.max_length))
+    }
 
     fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
         let scene = tracer.scene();

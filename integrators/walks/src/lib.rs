@@ -3,6 +3,7 @@
 //! the sensor, 0 or 1. Combined, they are bidirectional path tracing, whose fast form `bdpt` is.
 
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 use pathspace::estimator::{SamplerEntry, Settings, SettingsError};
 use pathspace::path::{Path, Roulette, Technique, Vertex, WalkRules};
@@ -16,7 +17,7 @@ use pathspace::wide::Wide;
 pub const SAMPLER: SamplerEntry = SamplerEntry {
     name: "walks",
     summary: "walks from emitters and sensor joined: s=0 (default), s=1, … or t=1, t=0",
-    build: |settings| Ok(Box::new(Walks::new(settings)?)),
+    build: |settings| Ok(Arc::new(Walks::new(settings)?)),
 };
 
 /// The number of vertices that one side has in paths of every length.
@@ -53,6 +54,12 @@ impl Walks {
             _ => return Err(Settings::wrong("t", &t, "0, 1, or any, which leaves it to s")),
         };
         Ok(Self { fixed, roulette })
+    }
+
+    /// Of the given kind, shared.
+    #[must_use]
+    pub fn shared(fixed: Fixed, roulette: Roulette) -> Arc<dyn PathSampler> {
+        Arc::new(Self { fixed, roulette })
     }
 
     fn rules(&self) -> WalkRules {
