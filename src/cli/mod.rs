@@ -10,6 +10,7 @@ mod render;
 mod replay;
 mod scene;
 mod session;
+mod verify;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -41,6 +42,7 @@ enum Command {
     Compare(Box<compare::CompareArgs>),
     Export(export::ExportArgs),
     List(list::ListArgs),
+    Verify(verify::VerifyArgs),
 }
 
 /// A command line that makes no sense.
@@ -75,6 +77,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Compare(args) => compare::run(registry, args),
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
+        Command::Verify(args) => verify::run(registry, args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

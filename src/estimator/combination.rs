@@ -92,7 +92,7 @@ impl Combination {
         let weight = self.weight(&densities, i);
         let value = self.estimate(contribution.value, edges, &densities, i);
         let technique = self.samplers[i].technique(edges);
-        sink.add(Term { pixel: contribution.pixel, value, technique, weight }, || Some(path));
+        sink.add(Term { pixel: contribution.pixel, value, technique, weight, sampler: Some(i as u32) }, || Some(path));
     }
 }
 
@@ -119,10 +119,12 @@ impl Estimator for Combination {
         Some(self.clone())
     }
 
-    /// All light that one of the samplers misses must be found by another; that cannot be told in general, so one of them
-    /// has to find all.
+    /// A sampler alone has to find all light. What several find together is for their author to know: it depends on the
+    /// paths that light takes through the scene.
     fn supports(&self, scene: &Scene) -> Result<(), String> {
-        let reasons: Vec<String> = self.samplers.iter().filter_map(|sampler| sampler.covers(scene).err()).collect();
-        if reasons.len() < self.samplers.len() { Ok(()) } else { Err(reasons.join("; ")) }
+        match &self.samplers[..] {
+            [alone] => alone.covers(scene),
+            _ => Ok(()),
+        }
     }
 }

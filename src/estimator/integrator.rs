@@ -33,6 +33,11 @@ pub trait Estimator: Send + Sync {
         None
     }
 
+    /// Which light of a scene is missing in its images, for the user; `None` where they are complete.
+    fn misses(&self, _scene: &Scene) -> Option<String> {
+        None
+    }
+
     /// Why it cannot render a scene, for the user; `Ok` where it can.
     ///
     /// # Errors
@@ -52,6 +57,11 @@ pub trait Integrator: Send + Sync {
 
     /// See [`Estimator::definition`].
     fn definition(&self, _longest: u32) -> Option<Combination> {
+        None
+    }
+
+    /// See [`Estimator::misses`].
+    fn misses(&self, _scene: &Scene) -> Option<String> {
         None
     }
 
@@ -77,6 +87,10 @@ impl<E: Estimator> Integrator for E {
 
     fn definition(&self, longest: u32) -> Option<Combination> {
         Estimator::definition(self, longest)
+    }
+
+    fn misses(&self, scene: &Scene) -> Option<String> {
+        Estimator::misses(self, scene)
     }
 
     fn supports(&self, scene: &Scene) -> Result<(), String> {

@@ -19,6 +19,8 @@ pub struct Term {
     pub technique: Technique,
     /// `w_i(x̄)`.
     pub weight: f64,
+    /// The number of the sampler in the integrator's definition, where the technique alone does not tell.
+    pub sampler: Option<u32>,
 }
 
 /// Takes the terms of the estimator one by one.
@@ -60,7 +62,7 @@ struct InWorld {
 
 impl Display for InWorld {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        let RecordedTerm { term: Term { pixel, value, technique, weight }, path } = &self.recorded;
+        let RecordedTerm { term: Term { pixel, value, technique, weight, .. }, path } = &self.recorded;
         let [r, g, b] = value.to_array();
         let notation = path.notation();
         writeln!(f, "{notation} by {technique}: pixel {},{}, weight {weight}, value {r} {g} {b}", pixel.x, pixel.y)?;

@@ -5,7 +5,7 @@ mod error;
 pub mod metrics;
 pub mod npy;
 pub mod rows;
-mod statistics;
+pub(crate) mod statistics;
 pub mod summary;
 mod table;
 

@@ -7,7 +7,7 @@ use crate::film::Moments;
 
 /// The difference of two means, each over independent passes of unknown and unequal variance (Welch 1947).
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Welch {
+pub(crate) struct Welch {
     /// `mean_a − mean_b`.
     pub difference: f64,
     /// `√(s_a²/n_a + s_b²/n_b)`.
@@ -91,7 +91,7 @@ fn upper_quantile(p: f64, freedom: f64) -> f64 {
 
 /// P-values adjusted for many tests (Holm 1979): the probability of any false alarm is at most the level, whatever the
 /// dependence between the tests. `adjusted_(i) = max_{j≤i} min(1, (m − j + 1) p_(j))` in ascending order, j from 1.
-pub(super) fn holm(p_values: &[f64]) -> Vec<f64> {
+pub(crate) fn holm(p_values: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p_values.len()).collect();
     order.sort_by(|&i, &j| p_values[i].total_cmp(&p_values[j]));
     let mut adjusted = vec![1.0; p_values.len()];
@@ -105,7 +105,7 @@ pub(super) fn holm(p_values: &[f64]) -> Vec<f64> {
 
 /// Slope of the straight line of least squares through points (x, y) and its standard error `√(s² / Σ(x − x̄)²)`, `s²` with
 /// n − 2 degrees of freedom. `None` below two points of different x; the error is `None` below three.
-pub(super) fn fitted_slope(points: &[(f64, f64)]) -> Option<(f64, Option<f64>)> {
+pub(crate) fn fitted_slope(points: &[(f64, f64)]) -> Option<(f64, Option<f64>)> {
     let mut normal = Matrix2::zeros();
     let mut right = Vector2::zeros();
     // Centred, so that the matrix is well conditioned however far the points are from the origin.

@@ -3,9 +3,10 @@
 use crate::estimator::{Combination, Integrator, RecordedTerm};
 use crate::film::ReplayKey;
 use crate::scene::Scene;
+use crate::wide::Wide;
 
 /// What comparing a term with the definition gave.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Comparison {
     /// Terms compared.
     pub terms: usize,
@@ -28,9 +29,9 @@ pub fn compare(
     seed: u64,
     passes: u64,
 ) -> Comparison {
-    let mut comparison = Comparison { terms: 0, value: (0.0, None), weight: (0.0, None), hidden: 0, partition: 0.0 };
+    let mut comparison = Comparison::default();
     for term in replay_all(integrator, scene, seed, passes) {
-        compare_term(combination, scene, &mut comparison, &term);
+        let _ = comparison.add(combination, scene, &term);
     }
     comparison
 }
@@ -48,30 +49,41 @@ pub fn replay_all<'a>(
     keys.flat_map(move |key| integrator.replay(scene, key))
 }
 
-fn compare_term(combination: &Combination, scene: &Scene, comparison: &mut Comparison, recorded: &RecordedTerm) {
-    let RecordedTerm { term, path } = recorded;
-    let edges = path.edges() as u32;
-    let densities = combination.densities(scene, path);
-    let drawn_by = |i: &usize| combination.samplers[*i].technique(edges) == term.technique && !densities[*i].is_zero();
-    comparison.terms += 1;
-    comparison.hidden += path.vertices().windows(2).filter(|e| !scene.visible(&e[0], &e[1])).count();
-    let Some(i) = (0..densities.len()).find(drawn_by) else {
-        // No sampler of the definition can have drawn it.
-        keep_worst(&mut comparison.value, f64::INFINITY, recorded);
-        return;
-    };
-    let weight = combination.weight(&densities, i);
-    let total: f64 = (0..densities.len()).map(|j| combination.weight(&densities, j)).sum();
-    comparison.partition = comparison.partition.max((total - 1.0).abs());
-    let contribution = scene.contribution(path).filter(|c| c.pixel == term.pixel);
-    let value = contribution.map_or(f64::NAN, |c| {
-        let ours = term.value.to_array();
-        let theirs = combination.estimate(c.value, edges, &densities, i).to_array();
-        let difference = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-        difference / term.value.max_component().max(f64::MIN_POSITIVE)
-    });
-    keep_worst(&mut comparison.value, value, recorded);
-    keep_worst(&mut comparison.weight, (weight - term.weight).abs(), recorded);
+impl Comparison {
+    /// Compares one more term. Gives the number of the sampler that has drawn its path, and `n_i p_i` of all of them; `None`
+    /// where no sampler can have drawn it.
+    pub fn add(
+        &mut self,
+        combination: &Combination,
+        scene: &Scene,
+        recorded: &RecordedTerm,
+    ) -> Option<(usize, Vec<Wide>)> {
+        let RecordedTerm { term, path } = recorded;
+        let edges = path.edges() as u32;
+        let densities = combination.densities(scene, path);
+        let drawn_by = |&i: &usize| {
+            let technique = combination.samplers[i].technique(edges) == term.technique && !densities[i].is_zero();
+            technique && term.sampler.is_none_or(|sampler| sampler as usize == i)
+        };
+        self.terms += 1;
+        self.hidden += path.vertices().windows(2).filter(|e| !scene.visible(&e[0], &e[1])).count();
+        let Some(i) = (0..densities.len()).find(drawn_by) else {
+            keep_worst(&mut self.value, f64::INFINITY, recorded);
+            return None;
+        };
+        let weights: Vec<f64> = (0..densities.len()).map(|j| combination.weight(&densities, j)).collect();
+        self.partition = self.partition.max((weights.iter().sum::<f64>() - 1.0).abs());
+        let contribution = scene.contribution(path).filter(|c| c.pixel == term.pixel);
+        let value = contribution.map_or(f64::NAN, |c| {
+            let ours = term.value.to_array();
+            let theirs = combination.estimate(c.value, edges, &densities, i).to_array();
+            let difference = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            difference / term.value.max_component().max(f64::MIN_POSITIVE)
+        });
+        keep_worst(&mut self.value, value, recorded);
+        keep_worst(&mut self.weight, (weights[i] - term.weight).abs(), recorded);
+        Some((i, densities))
+    }
 }
 
 /// Keeps the larger deviation with its term; NaN is the largest of all.

@@ -117,6 +117,17 @@ pub fn room(film: FilmSize) -> SceneDescription {
     scene
 }
 
+/// The room with a floor whose normals lean outwards, as those of a curved surface do.
+#[must_use]
+pub fn relief(film: FilmSize) -> SceneDescription {
+    let mut scene = room(film);
+    scene.name = "relief".into();
+    let mut carpet = rectangle("carpet", DVec3::new(-0.9, 0.05, 0.9), DVec3::X * 1.8, DVec3::Z * -1.8, 1);
+    carpet.normals = Some(carpet.positions.iter().map(|p| DVec3::new(0.5 * p.x, 1.0, 0.5 * p.z).normalize()).collect());
+    scene.meshes.push(carpet);
+    scene
+}
+
 /// The room with every kind of BSDF, emitter and Dirac event, under a thin lens.
 #[must_use]
 pub fn cabinet(film: FilmSize) -> SceneDescription {

@@ -145,6 +145,7 @@ impl<S: Sink> Connector<'_, '_, S> {
             value: value * (weight / self.densities.light_walks),
             technique: Technique { s: 1, t: 1 },
             weight,
+            sampler: None,
         };
         self.sink.add(term, || Path::new([(x0, false), (xk, false)]));
     }
@@ -326,7 +327,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         let weight = self.densities.weight(self.heuristic, s);
         let count = if t <= 1 { self.densities.light_walks } else { 1.0 };
         let technique = Technique { s: s as u32, t: t as u32 };
-        let term = Term { pixel, value: value * (weight / count), technique, weight };
+        let term = Term { pixel, value: value * (weight / count), technique, weight, sampler: None };
         let (y, z) = (self.y, self.z);
         self.sink.add(term, || {
             let mark = |v: &WalkVertex| (v.vertex, v.dirac);

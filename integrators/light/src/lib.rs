@@ -67,7 +67,7 @@ impl<S: Sink> Walk<'_, S> {
     #[inline(always)]
     fn add<const N: usize>(&mut self, technique: Technique, pixel: Pixel, value: Rgb, weight: f64, rest: [Vertex; N]) {
         let history = &self.history;
-        self.sink.add(Term { pixel, value: value * (weight / self.count), technique, weight }, || {
+        self.sink.add(Term { pixel, value: value * (weight / self.count), technique, weight, sampler: None }, || {
             Path::new(history.iter().copied().chain(rest.map(|v| (v, false))))
         });
     }
@@ -83,6 +83,20 @@ struct Departure {
 
 impl Estimator for LightTracer {
     type Scratch = ();
+
+    fn misses(&self, scene: &Scene) -> Option<String> {
+        let sensor = scene.sensor();
+        if sensor.can_be_hit() {
+            return None;
+        }
+        let at_infinity = scene.emitters().iter().any(|emitter| emitter.can_be_hit() && !emitter.is_local());
+        let unseen = [
+            scene.has_dirac_surfaces().then_some("what mirrors and smooth glass show the camera"),
+            (at_infinity && !sensor.has_position()).then_some("the environment behind everything"),
+        ];
+        let unseen: Vec<&str> = unseen.into_iter().flatten().collect();
+        (!unseen.is_empty()).then(|| format!("light walks cannot find {}", unseen.join(" and ")))
+    }
 
     fn definition(&self, _longest: u32) -> Option<Combination> {
         let samplers = [1, 0].map(|t| Walks::shared(Fixed::Sensor(t), self.roulette));

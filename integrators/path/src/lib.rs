@@ -67,7 +67,7 @@ impl<S: Sink> Walk<'_, S> {
     fn add<const N: usize>(&mut self, value: Rgb, edges: u32, s: u32, weight: f64, rest: [Vertex; N]) {
         let technique = Technique { s, t: edges + 1 - s };
         let history = &self.history;
-        self.sink.add(Term { pixel: self.pixel, value, technique, weight }, || {
+        self.sink.add(Term { pixel: self.pixel, value, technique, weight, sampler: None }, || {
             let rest = rest.into_iter().rev().map(|v| (v, false));
             Path::new(rest.chain(history.iter().rev().copied()))
         });

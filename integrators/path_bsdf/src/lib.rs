@@ -42,6 +42,11 @@ impl BsdfPathTracer {
 impl Estimator for BsdfPathTracer {
     type Scratch = ();
 
+    fn misses(&self, scene: &Scene) -> Option<String> {
+        let unmet = scene.emitters().iter().any(|emitter| !emitter.can_be_hit());
+        unmet.then(|| "no walk meets a point, spot or directional light".into())
+    }
+
     fn definition(&self, _longest: u32) -> Option<Combination> {
         let sampler = Walks::shared(Fixed::Emitter(0), self.roulette);
         Some(Combination::of(vec![sampler], Heuristic::Balance, self.max_length))
@@ -59,7 +64,7 @@ impl Estimator for BsdfPathTracer {
                 let value = throughput * scene.emitter(id).emission(&vertex, -direction);
                 let technique = Technique { s: 0, t: edges + 1 };
                 if !value.is_black() {
-                    sink.add(Term { pixel, value, technique, weight: 1.0 }, || {
+                    sink.add(Term { pixel, value, technique, weight: 1.0, sampler: None }, || {
                         Path::new([(vertex, false)].into_iter().chain(history.iter().rev().copied()))
                     });
                 }
