@@ -1,4 +1,5 @@
 //! Checks that an author of an integrator calls, and the small scenes to call them on.
 
 pub mod definition;
+pub mod radiosity;
 pub mod scenes;
