@@ -165,10 +165,9 @@ fn point_to_patch(scene: &DiffuseScene, x: FacetPoint, facet: usize, corners: Co
         Share::All => unobstructed,
         Share::Nothing => 0.0,
         Share::Some(share) if divisions == 0 => share * unobstructed,
-        Share::Some(_) => subdivide(corners, 2)
-            .into_iter()
-            .map(|part| point_to_patch(scene, x, facet, part, divisions - 1))
-            .sum(),
+        Share::Some(_) => {
+            subdivide(corners, 2).into_iter().map(|part| point_to_patch(scene, x, facet, part, divisions - 1)).sum()
+        }
     }
 }
 

@@ -4,7 +4,7 @@ use crate::spectrum::Rgb;
 
 use super::error::RadiosityError;
 use super::exchange::FormFactors;
-use super::image::View;
+use super::image::{SeenPoint, View};
 use super::scene::{DiffuseScene, FacetPoint};
 use super::solution::{Bounces, Solution};
 
@@ -70,7 +70,7 @@ impl<'a> Extrapolation<'a> {
     /// of blocks. The finer solution is integrated over the image more finely too, so that the error is that of both.
     #[must_use]
     pub fn block_means(&self, bounces: Bounces) -> Vec<Estimate> {
-        both(&block_means(&self.coarse, bounces, 1), &block_means(&self.fine, bounces, 2))
+        both(&block_means(&self.coarse, bounces, 0), &block_means(&self.fine, bounces, 1))
     }
 }
 
@@ -78,13 +78,13 @@ fn both(coarse: &[Rgb], fine: &[Rgb]) -> Vec<Estimate> {
     coarse.iter().zip(fine).map(|(&coarse, &fine)| Estimate::new(coarse, fine)).collect()
 }
 
-fn block_means(solution: &Solution<'_>, bounces: Bounces, pieces: usize) -> Vec<Rgb> {
+fn block_means(solution: &Solution<'_>, bounces: Bounces, divisions: u32) -> Vec<Rgb> {
     let scene = solution.factors().scene();
     let view = View::of(scene);
-    let blocks: Vec<_> = view.blocks().into_iter().map(|block| view.points(scene, block, pieces)).collect();
+    let blocks: Vec<_> = view.blocks().into_iter().map(|block| view.points(scene, block, divisions)).collect();
     let points: Vec<FacetPoint> = blocks.iter().flatten().map(|seen| seen.point).collect();
     let mut radiance = solution.radiance(&points, bounces).into_iter();
-    let mean = |block: &Vec<super::image::SeenPoint>| {
+    let mean = |block: &Vec<SeenPoint>| {
         block.iter().zip(radiance.by_ref()).map(|(seen, radiance)| radiance * seen.weight).sum()
     };
     blocks.iter().map(mean).collect()

@@ -11,7 +11,7 @@ use super::quadrature::{Rule, double_exponential, gauss_legendre, triangle};
 /// For edges that touch or nearly do.
 static SINGULAR: LazyLock<Rule> = LazyLock::new(|| double_exponential(0.2));
 /// For edges at a distance of their length or more.
-static NEAR: LazyLock<Rule> = LazyLock::new(|| gauss_legendre(7));
+static NEAR: LazyLock<Rule> = LazyLock::new(|| gauss_legendre(8));
 /// Distance in radii from which the kernel itself is so smooth that it is integrated directly.
 const FAR: f64 = 12.0;
 

@@ -6,9 +6,12 @@ use crate::film::BLOCK_SIDE;
 use crate::scene::PrimitiveId;
 use crate::scene::description::{FilmSize, Projection};
 
-use super::polygon::{Plane, Polygon, area_vector, subdivide};
+use super::polygon::{Corners, Plane, Polygon, area_vector, centroid, subdivide};
 use super::quadrature::triangle;
 use super::scene::{DiffuseScene, FacetPoint};
+
+/// How often a triangle of the image is divided at the outlines of what lies before it.
+const EDGE_DIVISIONS: u32 = 4;
 
 /// A pinhole or orthographic camera, its image at distance one or in the film's plane.
 pub(super) struct View {
@@ -55,7 +58,8 @@ impl View {
     pub fn blocks(&self) -> Vec<[DVec2; 2]> {
         let FilmSize { width, height } = self.film;
         let corner = |x: u32, y: u32| {
-            let raster = DVec2::new(f64::from(x.min(width)) / f64::from(width), f64::from(y.min(height)) / f64::from(height));
+            let raster =
+                DVec2::new(f64::from(x.min(width)) / f64::from(width), f64::from(y.min(height)) / f64::from(height));
             (raster * 2.0 - 1.0) * DVec2::new(1.0, -1.0) * self.half_extent
         };
         let starts = |count: u32| (0..count).step_by(BLOCK_SIDE as usize);
@@ -66,31 +70,49 @@ impl View {
         starts(height).flat_map(|y| starts(width).map(move |x| block(x, y))).collect()
     }
 
-    /// Points of a rectangle of the image, `pieces²` triangles in each triangle that a facet fills of it. The weights are
-    /// shares of the rectangle's area. Where less is seen than a whole facet, points decide, not areas.
-    pub fn points(&self, scene: &DiffuseScene, rectangle: [DVec2; 2], pieces: usize) -> Vec<SeenPoint> {
+    /// Points of a rectangle of the image, at least 7 · 4^`divisions` in each triangle that a facet fills of it, and
+    /// more where the triangle is seen in part only. The weights are shares of the rectangle's area.
+    pub fn points(&self, scene: &DiffuseScene, rectangle: [DVec2; 2], divisions: u32) -> Vec<SeenPoint> {
         let size = rectangle[1] - rectangle[0];
         let mut points = Vec::new();
         for (facet, f) in scene.facets().iter().enumerate() {
-            let plane = f.plane();
-            if !self.in_front_of(plane) {
+            if !self.in_front_of(f.plane()) {
                 continue;
             }
             let seen = self.clip(&f.corners, rectangle);
             let image: Polygon = seen.iter().map(|&x| self.project(x)).collect();
             for i in 1..image.len().saturating_sub(1) {
-                for part in subdivide([image[0], image[i], image[i + 1]], pieces) {
-                    let share = area_vector(&part).length() / (size.x * size.y);
-                    for (at, weight) in triangle(part) {
-                        let (origin, position) = self.back(at, plane);
-                        if scene.visible(origin, PrimitiveId::NONE, position, f.primitive) {
-                            points.push(SeenPoint { point: FacetPoint { facet, position }, weight: share * weight });
-                        }
-                    }
+                for part in subdivide([image[0], image[i], image[i + 1]], 1 << divisions) {
+                    self.add_points(scene, facet, part, EDGE_DIVISIONS + divisions, &mut points);
                 }
             }
         }
+        points.iter_mut().for_each(|seen| seen.weight /= size.x * size.y);
         points
+    }
+
+    /// Points of a triangle of the image that a facet fills, if nothing lies before it, with areas as weights.
+    fn add_points(&self, scene: &DiffuseScene, facet: usize, part: Corners, divisions: u32, out: &mut Vec<SeenPoint>) {
+        let plane = scene.facets()[facet].plane();
+        let area = area_vector(&part).length();
+        let seen = |at: DVec3| {
+            let (origin, position) = self.back(at, plane);
+            let visible = scene.visible(origin, PrimitiveId::NONE, position, scene.facets()[facet].primitive);
+            visible.then_some(FacetPoint { facet, position })
+        };
+        let middle = centroid(&part);
+        // Corners lie on other triangles too.
+        let corners = part.map(|corner| seen(corner.lerp(middle, 1e-3)).is_some());
+        let points = triangle(part).map(|(at, weight)| (seen(at), weight * area));
+        let visible = points.iter().filter(|(point, _)| point.is_some()).count();
+        let agreed = corners.iter().all(|&corner| corner == (visible > 0)) && visible % points.len() == 0;
+        if agreed {
+            out.extend(points.into_iter().filter_map(|(point, weight)| Some(SeenPoint { point: point?, weight })));
+        } else if divisions == 0 {
+            out.extend(seen(middle).map(|point| SeenPoint { point, weight: area }));
+        } else {
+            subdivide(part, 2).into_iter().for_each(|part| self.add_points(scene, facet, part, divisions - 1, out));
+        }
     }
 
     fn in_front_of(&self, plane: Plane) -> bool {

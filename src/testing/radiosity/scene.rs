@@ -155,9 +155,7 @@ fn check(description: &SceneDescription) -> Result<(), RadiosityError> {
     }
     match &description.sensor {
         Some(SensorDescription {
-            name,
-            projection: Projection::Perspective { lens: Some(Lens { .. }), .. },
-            ..
+            name, projection: Projection::Perspective { lens: Some(Lens { .. }), .. }, ..
         }) => Err(RadiosityError::Lens(name.clone())),
         _ => Ok(()),
     }

@@ -11,6 +11,9 @@ use super::error::RadiosityError;
 use super::exchange::FormFactors;
 use super::scene::{Facet, FacetPoint};
 
+/// Above so many times the emission, errors of the form factors decide about the radiosity.
+const MOST_AMPLIFICATION: f64 = 1e6;
+
 /// Which part of the light, by the number of reflections on its way. A path of n reflections that ends at a camera has
 /// n + 1 edges: `--max-length K` is `AtMost(K − 1)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,8 +40,7 @@ impl<'a> Solution<'a> {
     /// Where reflectances are such that light does not die out.
     pub fn new(factors: FormFactors<'a>) -> Result<Self, RadiosityError> {
         let solve = |channel: usize| solve_channel(&factors, channel).ok_or(RadiosityError::NoEquilibrium);
-        let channels: Vec<DVector<f64>> =
-            (0..3).into_par_iter().map(solve).collect::<Result<_, RadiosityError>>()?;
+        let channels: Vec<DVector<f64>> = (0..3).into_par_iter().map(solve).collect::<Result<_, RadiosityError>>()?;
         let patch = |i: usize| Rgb::new(channels[0][i], channels[1][i], channels[2][i]);
         let equilibrium = (0..factors.patches().len()).map(patch).collect();
         Ok(Self { factors, equilibrium })
@@ -160,5 +162,7 @@ fn solve_channel(factors: &FormFactors<'_>, channel: usize) -> Option<DVector<f6
     });
     let right = scale.component_mul(&(exchange * &emission));
     let scattered = Cholesky::new(matrix)?.solve(&right);
-    Some(emission + scale.component_mul(&scattered))
+    let largest = MOST_AMPLIFICATION * emission.amax();
+    let radiosity = emission + scale.component_mul(&scattered);
+    (radiosity.amax() <= largest).then_some(radiosity)
 }
