@@ -42,6 +42,12 @@ impl<'a> Extrapolation<'a> {
         Ok(Self { coarse: solve(1)?, fine: solve(2)? })
     }
 
+    /// The coarser of the two.
+    #[must_use]
+    pub fn coarse(&self) -> &Solution<'a> {
+        &self.coarse
+    }
+
     /// The finer of the two.
     #[must_use]
     pub fn fine(&self) -> &Solution<'a> {
