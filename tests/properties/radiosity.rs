@@ -3,9 +3,10 @@
 use std::path::Path;
 use std::time::Instant;
 
+use glam::DVec3;
 use pathspace::estimator::{Control, Integrator, Settings};
 use pathspace::film::{Film, Moments};
-use pathspace::scene::description::{FilmSize, SceneDescription};
+use pathspace::scene::description::{FilmSize, Material, SceneDescription};
 use pathspace::scene::gltf;
 use pathspace::spectrum::Rgb;
 use pathspace::testing::radiosity::{Bounces, DiffuseScene, Estimate, Extrapolation};
@@ -29,10 +30,10 @@ impl Control for Passes {
     }
 }
 
-fn bdpt(scene: &DiffuseScene, settings: &str, passes: u64) -> Film {
+fn bdpt(scene: &DiffuseScene, settings: &str, seed: u64, passes: u64) -> Film {
     let estimator = Bidirectional::new(&mut Settings::parse(settings).unwrap()).unwrap();
     let mut film = Film::new(FILM.width, FILM.height, None).unwrap();
-    estimator.render(scene.scene(), 7, &mut film, &mut Passes(passes));
+    estimator.render(scene.scene(), seed, &mut film, &mut Passes(passes));
     film
 }
 
@@ -84,7 +85,7 @@ fn compare(name: &str, film: &Film, truth: &[Estimate], power: &Power) {
         for (i, (moments, truth)) in statistics.blocks().iter().zip(truth).enumerate() {
             let (.., own, z) = check(&format!("block {i}"), &moments[c], truth, BLOCK_Z, power.block);
             worst = worst.max(if truth.value.to_array()[c] > 0.0 { z } else { 0.0 });
-            assert!(own < 2e-3, "{name}, block {i}: own error {own}");
+            assert!(own < 3e-3, "{name}, block {i}: own error {own}");
         }
     }
     println!("{name}: worst block at z {worst:.1}");
@@ -97,16 +98,19 @@ fn check(description: &SceneDescription, edge: f64, passes: u64, power: &Power) 
     let scene = DiffuseScene::new(description).unwrap();
     let truth = Extrapolation::new(&scene, edge).unwrap();
     println!("{name}: {} patches solved after {:.1?}", truth.fine().factors().patches().len(), start.elapsed());
-    for (settings, bounces) in [
+    for (seed, (settings, bounces)) in [
         ("max_length=none", Bounces::Any),
         ("max_length=1", Bounces::AtMost(0)),
         ("max_length=2", Bounces::AtMost(1)),
         ("max_length=3", Bounces::AtMost(2)),
-    ] {
+    ]
+    .into_iter()
+    .enumerate()
+    {
         let start = Instant::now();
         let means = truth.block_means(bounces);
         let gathered = start.elapsed();
-        let film = bdpt(&scene, settings, passes);
+        let film = bdpt(&scene, settings, seed as u64, passes);
         println!("{name}, {settings}: {gathered:.1?} for the truth, {:.1?} with bdpt", start.elapsed());
         compare(&format!("{name}, {settings}"), &film, &means, power);
     }
@@ -114,16 +118,25 @@ fn check(description: &SceneDescription, edge: f64, passes: u64, power: &Power) 
 
 #[test]
 fn bdpt_meets_radiosity_in_the_empty_cornell_box() {
-    check(&empty_cornell_box(), 0.14, 400, &Power { image: 2e-3, block: 1e-2 });
+    check(&empty_cornell_box(), 0.14, 300, &Power { image: 2e-3, block: 3e-2 });
 }
 
 #[test]
 fn bdpt_meets_radiosity_between_plates() {
-    check(&scenes::plates(FILM), 0.2, 1500, &Power { image: 2e-3, block: 1e-2 });
+    check(&scenes::plates(FILM), 0.2, 1000, &Power { image: 2e-3, block: 3e-2 });
 }
 
-/// What lies between patches costs the solver precision.
+/// A screen halfway between the plates, grey on both sides, hides parts of them from each other.
+fn plates_with_a_screen() -> SceneDescription {
+    let mut scene = scenes::plates(FILM);
+    scene.name = "plates with a screen".into();
+    scene.meshes.push(scenes::rectangle("screen", DVec3::new(0.1, 0.5, 0.3), DVec3::Z * 0.5, DVec3::X * 0.6, 2));
+    let grey = scenes::diffuse("screen", Rgb::new(0.9, 0.5, 0.3), Rgb::BLACK);
+    scene.materials.push(Material { two_sided: true, ..grey });
+    scene
+}
+
 #[test]
-fn bdpt_meets_radiosity_in_a_room_with_blocks() {
-    check(&scenes::room(FILM), 0.5, 300, &Power { image: 5e-3, block: 3e-2 });
+fn bdpt_meets_radiosity_around_a_screen() {
+    check(&plates_with_a_screen(), 0.3, 800, &Power { image: 2e-3, block: 3e-2 });
 }

@@ -5,12 +5,10 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::error::RadiosityError;
-use super::form_factor::{exchange_area, facing_parts, kernel, point_form_factor};
-use super::polygon::{Corners, area_vector, centroid, subdivide};
+use super::form_factor::{exchange_area, facing_parts, point_form_factor};
+use super::polygon::{Corners, area_vector, subdivide};
+use super::quadrature::triangle;
 use super::scene::{DiffuseScene, FacetPoint};
-
-/// How often a pair of which only a part is seen is divided further.
-const DIVISIONS: u32 = 3;
 
 /// The most patches: their matrix fills 290 MB.
 const MOST_PATCHES: usize = 6000;
@@ -98,7 +96,7 @@ impl<'a> FormFactors<'a> {
     /// The form factors of a surface element at `x` towards each patch.
     #[must_use]
     pub fn of_point(&self, x: FacetPoint) -> Vec<f64> {
-        self.patches.iter().map(|patch| point_to_patch(self.scene, x, patch.facet, patch.corners, DIVISIONS)).collect()
+        self.patches.iter().map(|patch| point_to_patch(self.scene, x, patch)).collect()
     }
 }
 
@@ -109,7 +107,7 @@ fn longest_edge([a, b, c]: Corners) -> f64 {
 fn exchange_matrix(scene: &DiffuseScene, patches: &[Patch]) -> DMatrix<f64> {
     let row = |i: usize| -> Vec<f64> {
         let p = &patches[i];
-        patches[..i].iter().map(|q| pair(scene, [p.facet, q.facet], [p.corners, q.corners], DIVISIONS)).collect()
+        patches[..i].iter().map(|q| pair(scene, p, q)).collect()
     };
     let rows: Vec<Vec<f64>> = (0..patches.len()).into_par_iter().map(row).collect();
     DMatrix::from_fn(patches.len(), patches.len(), |i, j| match i.cmp(&j) {
@@ -119,76 +117,37 @@ fn exchange_matrix(scene: &DiffuseScene, patches: &[Patch]) -> DMatrix<f64> {
     })
 }
 
-/// `∫∫ V cos θ cos θ' / (π r²) dA dA'` \[m²\] between two triangles of the facets.
-fn pair(scene: &DiffuseScene, facets: [usize; 2], [p, q]: [Corners; 2], divisions: u32) -> f64 {
-    if facets[0] == facets[1] {
+/// `A_i F_ij = ∫∫ V cos θ cos θ' / (π r²) dA dA'` \[m²\] between two patches: the contour integral, times the share that
+/// is seen from the points of the smaller one where something may lie between.
+fn pair(scene: &DiffuseScene, p: &Patch, q: &Patch) -> f64 {
+    if p.facet == q.facet {
         return 0.0;
     }
-    let Some((part_p, part_q)) = facing_parts(&p, &q) else { return 0.0 };
-    let [on_p, on_q] = facets.map(|f| scene.facets()[f].primitive);
+    let Some((part_p, part_q)) = facing_parts(&p.corners, &q.corners) else { return 0.0 };
     let corners: Vec<DVec3> = part_p.iter().chain(&part_q).copied().collect();
-    if !scene.may_obstruct(&corners, [on_p, on_q]) {
-        return exchange_area(&part_p, &part_q);
-    }
-    let (normal_p, normal_q) = (area_vector(&p), area_vector(&q));
-    let pairs = subdivide(p, 2).into_iter().flat_map(|a| subdivide(q, 2).into_iter().map(move |b| (a, b)));
-    let seen = visible_share(pairs.map(|(a, b)| {
-        let (x, y) = (centroid(&a), centroid(&b));
-        (kernel(x, normal_p, y, normal_q), move || scene.visible(x, on_p, y, on_q))
-    }));
-    match seen {
-        Share::All => exchange_area(&part_p, &part_q),
-        Share::Nothing => 0.0,
-        Share::Some(share) if divisions == 0 => share * exchange_area(&part_p, &part_q),
-        Share::Some(_) if area_vector(&p).length() > area_vector(&q).length() => {
-            subdivide(p, 2).into_iter().map(|part| pair(scene, facets, [part, q], divisions - 1)).sum()
-        }
-        Share::Some(_) => subdivide(q, 2).into_iter().map(|part| pair(scene, facets, [p, part], divisions - 1)).sum(),
-    }
-}
-
-/// The form factor of a surface element at x towards a triangle of a facet.
-fn point_to_patch(scene: &DiffuseScene, x: FacetPoint, facet: usize, corners: Corners, divisions: u32) -> f64 {
-    let (from, to) = (&scene.facets()[x.facet], &scene.facets()[facet]);
-    let unobstructed = point_form_factor(x.position, from.normal, &corners);
-    let [a, b, c] = corners;
-    if unobstructed == 0.0 || !scene.may_obstruct(&[x.position, a, b, c], [from.primitive, to.primitive]) {
+    let unobstructed = exchange_area(&part_p, &part_q);
+    if !scene.may_obstruct(&corners, [p.facet, q.facet]) {
         return unobstructed;
     }
-    let normal = area_vector(&corners);
-    let seen = visible_share(subdivide(corners, 4).into_iter().map(|part| {
-        let y = centroid(&part);
-        let weight = kernel(x.position, from.normal, y, normal);
-        (weight, move || scene.visible(x.position, from.primitive, y, to.primitive))
-    }));
-    match seen {
-        Share::All => unobstructed,
-        Share::Nothing => 0.0,
-        Share::Some(share) if divisions == 0 => share * unobstructed,
-        Share::Some(_) => {
-            subdivide(corners, 2).into_iter().map(|part| point_to_patch(scene, x, facet, part, divisions - 1)).sum()
-        }
+    let (from, to) = if p.area < q.area { (p, q) } else { (q, p) };
+    let (mut seen, mut all) = (0.0, 0.0);
+    for (position, weight) in subdivide(from.corners, 2).into_iter().flat_map(triangle) {
+        let x = FacetPoint { facet: from.facet, position };
+        all += weight * point_form_factor(position, scene.facets()[from.facet].normal, &to.corners);
+        seen += weight * point_to_patch(scene, x, to);
     }
+    if all > 0.0 { unobstructed * (seen / all) } else { unobstructed }
 }
 
-/// How much of what could be exchanged is not obstructed.
-enum Share {
-    All,
-    Nothing,
-    Some(f64),
-}
-
-/// From the weights of pairs of points and whether they see each other.
-fn visible_share<V: FnOnce() -> bool>(pairs: impl Iterator<Item = (f64, V)>) -> Share {
-    let (mut seen, mut hidden) = (0.0, 0.0);
-    for (weight, visible) in pairs {
-        if weight > 0.0 {
-            *(if visible() { &mut seen } else { &mut hidden }) += weight;
-        }
+/// The form factor of a surface element at x towards what it sees of a patch.
+fn point_to_patch(scene: &DiffuseScene, x: FacetPoint, patch: &Patch) -> f64 {
+    let normal = scene.facets()[x.facet].normal;
+    let unobstructed = point_form_factor(x.position, normal, &patch.corners);
+    if unobstructed == 0.0 {
+        return 0.0;
     }
-    match (seen > 0.0, hidden > 0.0) {
-        (_, false) => Share::All,
-        (false, true) => Share::Nothing,
-        (true, true) => Share::Some(seen / (seen + hidden)),
+    match scene.visible_parts(x, patch.facet, &patch.corners) {
+        None => unobstructed,
+        Some(parts) => parts.iter().map(|part| point_form_factor(x.position, normal, part)).sum(),
     }
 }

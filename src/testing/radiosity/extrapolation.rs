@@ -13,15 +13,16 @@ use super::solution::{Bounces, Solution};
 pub struct Estimate {
     /// Richardson's extrapolation `fine + (fine − coarse) / 3`, in the unit of the quantity.
     pub value: Rgb,
-    /// What the extrapolation has changed, `|fine − coarse| / 3` per channel: the error of the *fine* value where it is
-    /// of second order, and a cautious bound for that of the extrapolated one. Not a standard deviation.
+    /// `⅔ |fine − coarse|` per channel: how far the extrapolated value is off if the error falls only in proportion to the
+    /// patches' size, as where a shadow has a sharp edge. Where it falls with the square, a bound with much to spare.
+    /// Not a standard deviation.
     pub error: Rgb,
 }
 
 impl Estimate {
     fn new(coarse: Rgb, fine: Rgb) -> Self {
         let correction = (fine - coarse) / 3.0;
-        Self { value: fine + correction, error: correction.map(f64::abs) }
+        Self { value: fine + correction, error: correction.map(|c| 2.0 * c.abs()) }
     }
 }
 

@@ -99,7 +99,7 @@ fn far_exchange_area(p: [DVec3; 3], q: [DVec3; 3]) -> f64 {
 }
 
 /// `cos θ_x cos θ_y / (π r²)`, times the lengths of the normals; zero where one is behind the other.
-pub(super) fn kernel(x: DVec3, normal_x: DVec3, y: DVec3, normal_y: DVec3) -> f64 {
+fn kernel(x: DVec3, normal_x: DVec3, y: DVec3, normal_y: DVec3) -> f64 {
     let offset = y - x;
     let squared = offset.length_squared();
     normal_x.dot(offset).max(0.0) * (-normal_y.dot(offset)).max(0.0) / (PI * squared * squared)

@@ -124,7 +124,7 @@ impl View {
         let bound = |axis: DVec3, limit: f64, sign: f64| {
             let normal = if self.parallel { axis } else { axis - self.forward * limit };
             let offset = normal.dot(self.position) + if self.parallel { limit } else { 0.0 };
-            Plane { normal: normal * sign, offset: offset * sign }
+            Plane { normal, offset }.turned(sign)
         };
         let bounds = [
             Plane::at(self.position, self.forward),

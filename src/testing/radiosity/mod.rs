@@ -4,12 +4,15 @@
 //! the rendering equation becomes `B(x) = E(x) + ρ(x) ∫ B(y) cos θ_x cos θ_y / (π r²) V(x,y) dA(y)` (Goral et al. 1984).
 //! [`FormFactors`] divide the surfaces into patches, [`Solution`] solves the linear system that follows, and
 //! [`Extrapolation`] does both for two sizes of patches and tells its own error. Nothing here shares code with samplers;
-//! what it has in common with the integrators is the geometry of the scene: its triangles and whether a segment is free.
+//! what it has in common with the integrators is the scene's triangles, and for images whether the camera sees a point.
 //!
-//! - Form factors of unobstructed pairs are exact to about 10⁻⁷; where a triangle lies between, pairs are divided further
-//!   and the share of free segments decides.
+//! - Form factors of unobstructed pairs are exact to about 10⁻⁸. What triangles hide from a point is cut out exactly; what
+//!   they hide of a pair is the mean over points of the smaller patch.
 //! - Radiosity is constant on each patch (Galerkin). Means over meshes, and what is gathered at points from all patches,
-//!   are of second order in the patches' size.
+//!   are of second order in the patches' size; of first order only where radiosity jumps within a patch, as below a block
+//!   that stands on the floor.
+//! - Time and memory grow with the square of the number of patches, and the direct solution with its third power: 1600
+//!   patches take about 2 s on two cores. Obstacles that hide much make it several times slower.
 //!
 //! ```
 //! use pathspace::scene::description::FilmSize;
@@ -30,6 +33,7 @@ mod exchange;
 mod extrapolation;
 mod form_factor;
 mod image;
+mod obstacle;
 mod polygon;
 mod quadrature;
 mod scene;

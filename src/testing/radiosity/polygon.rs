@@ -28,6 +28,11 @@ impl Plane {
         Self::at(polygon[0], normal)
     }
 
+    /// The same plane, turned round where `sign` is −1.
+    pub fn turned(self, sign: f64) -> Self {
+        Self { normal: self.normal * sign, offset: self.offset * sign }
+    }
+
     /// `normal · x − offset`: the signed distance where the normal has length one.
     pub fn height(&self, x: DVec3) -> f64 {
         self.normal.dot(x) - self.offset

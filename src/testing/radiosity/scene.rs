@@ -10,7 +10,8 @@ use crate::scene::{PrimitiveId, Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
 
 use super::error::RadiosityError;
-use super::polygon::{Corners, Plane, area_vector};
+use super::obstacle::Obstacle;
+use super::polygon::{Corners, Plane, Polygon, area_vector};
 
 /// One side of a triangle of the scene: a two-sided triangle has two.
 #[derive(Clone, Copy, Debug)]
@@ -56,13 +57,6 @@ pub struct DiffuseScene {
     camera: SensorDescription,
 }
 
-#[derive(Debug)]
-struct Obstacle {
-    primitive: PrimitiveId,
-    plane: Plane,
-    bounds: Bounds,
-}
-
 impl DiffuseScene {
     /// Accepts a description.
     ///
@@ -97,7 +91,7 @@ impl DiffuseScene {
             }
         }
         let flat = 1e-6 * Bounds::around(facets.iter().flat_map(|f| f.corners)).radius();
-        let obstacles = obstacles(&scene, flat);
+        let obstacles = Obstacle::all(&scene, flat);
         Ok(Self { scene, facets, obstacles, flat, camera })
     }
 
@@ -118,14 +112,25 @@ impl DiffuseScene {
         SensorDescription { position: self.camera.position - self.scene.centre(), ..self.camera.clone() }
     }
 
-    /// Something may lie between some two points of the convex hull of these. False only where nothing can.
-    pub(super) fn may_obstruct(&self, points: &[DVec3], own: [PrimitiveId; 2]) -> bool {
+    /// Something may lie between some two points of the convex hull of these, apart from the given facets' triangles.
+    /// False only where nothing can.
+    pub(super) fn may_obstruct(&self, points: &[DVec3], own: [usize; 2]) -> bool {
+        let own = own.map(|facet| self.facets[facet].primitive);
         let hull = Bounds::around(points.iter().copied());
-        let slack = DVec3::splat(self.flat);
-        self.obstacles.iter().any(|o| {
-            let near = hull.min.cmple(o.bounds.max + slack).all() && o.bounds.min.cmple(hull.max + slack).all();
-            near && !own.contains(&o.primitive) && straddle(o.plane, points.iter().copied(), self.flat)
-        })
+        self.obstacles.iter().any(|obstacle| obstacle.may_obstruct(points, &hull, own, self.flat))
+    }
+
+    /// What is seen from x of a polygon of a facet, in convex parts; `None` where nothing can lie between.
+    pub(super) fn visible_parts(&self, x: FacetPoint, facet: usize, polygon: &[DVec3]) -> Option<Vec<Polygon>> {
+        let own = [x.facet, facet].map(|facet| self.facets[facet].primitive);
+        let points: Polygon = polygon.iter().copied().chain([x.position]).collect();
+        let hull = Bounds::around(points.iter().copied());
+        let mut parts = None;
+        for obstacle in self.obstacles.iter().filter(|o| o.may_obstruct(&points, &hull, own, self.flat)) {
+            let before = parts.unwrap_or_else(|| vec![Polygon::from_slice(polygon)]);
+            parts = Some(obstacle.hide(x.position, before, self.flat));
+        }
+        parts
     }
 
     /// Nothing lies strictly between two points of the given triangles.
@@ -169,23 +174,4 @@ fn is_flat(mesh: &Mesh) -> bool {
         let normal = area_vector(&corners).normalize_or_zero();
         normal == DVec3::ZERO || triangle.iter().all(|&i| normals[i as usize].distance(normal) < 1e-5)
     })
-}
-
-fn obstacles(scene: &Scene, flat: f64) -> Vec<Obstacle> {
-    let triangles: Vec<_> = scene.accel().triangles().collect();
-    let corners = || triangles.iter().flat_map(|(_, t)| t.corners());
-    let candidates = triangles.iter().map(|&(primitive, triangle)| Obstacle {
-        primitive,
-        plane: Plane::of(&triangle.corners()),
-        bounds: triangle.bounds(),
-    });
-    candidates.filter(|o| straddle(o.plane, corners(), flat)).collect()
-}
-
-/// Points lie on both sides of a plane.
-fn straddle(plane: Plane, points: impl Iterator<Item = DVec3>, flat: f64) -> bool {
-    let (lowest, highest) = points
-        .map(|p| plane.height(p))
-        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), h| (low.min(h), high.max(h)));
-    lowest < -flat && highest > flat
 }
