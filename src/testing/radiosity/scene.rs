@@ -74,20 +74,18 @@ impl DiffuseScene {
             let mesh = triangle.shape as usize;
             let material = &description.materials[description.meshes[mesh].material];
             let BsdfDescription::Diffuse { reflectance } = material.bsdf else { continue };
-            if area_vector(&[a, b, c]) == DVec3::ZERO {
-                continue;
-            }
-            let side = |corners: Corners, emission: Rgb| Facet {
+            let Some(normal) = area_vector(&[a, b, c]).try_normalize() else { continue };
+            let side = |corners: Corners, normal: DVec3, emission: Rgb| Facet {
                 corners,
-                normal: area_vector(&corners).normalize(),
+                normal,
                 primitive,
                 mesh,
                 reflectance,
                 emission,
             };
-            facets.push(side([a, b, c], material.emission * PI));
+            facets.push(side([a, b, c], normal, material.emission * PI));
             if material.two_sided {
-                facets.push(side([a, c, b], Rgb::BLACK));
+                facets.push(side([a, c, b], -normal, Rgb::BLACK));
             }
         }
         let flat = 1e-6 * Bounds::around(facets.iter().flat_map(|f| f.corners)).radius();

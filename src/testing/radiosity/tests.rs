@@ -177,15 +177,17 @@ fn the_error_estimate_holds() {
     assert!(middle.error.g < 0.35 * coarse.error.g, "not of second order: {coarse:?} {middle:?}");
 }
 
+type Change<'a> = &'a dyn Fn(&mut SceneDescription);
+
 #[test]
 fn what_is_not_diffuse_is_refused_by_name() {
-    let refusal = |change: &dyn Fn(&mut SceneDescription)| {
+    let refusal = |change: Change| {
         let mut description = scenes::plates(FILM);
         change(&mut description);
         DiffuseScene::new(&description).unwrap_err().to_string()
     };
     let cabinet = scenes::cabinet(FILM);
-    let cases: [(&str, &dyn Fn(&mut SceneDescription)); 6] = [
+    let cases: [(&str, Change); 6] = [
         ("sphere 'metal ball'", &|d| d.spheres = cabinet.spheres.clone()),
         ("light 'point'", &|d| d.lights = cabinet.lights.clone()),
         ("environment", &|d| d.environment = Some(Rgb::WHITE)),
