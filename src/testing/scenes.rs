@@ -93,6 +93,25 @@ pub fn enclosure(emission: Rgb, reflectance: Rgb, film: FilmSize) -> SceneDescri
     }
 }
 
+/// Two unit squares that face each other at distance one, seen from the side; the lower one emits.
+#[must_use]
+pub fn plates(film: FilmSize) -> SceneDescription {
+    SceneDescription {
+        name: "plates".into(),
+        meshes: vec![
+            rectangle("lower", DVec3::ZERO, DVec3::Z, DVec3::X, 0),
+            rectangle("upper", DVec3::Y, DVec3::X, DVec3::Z, 1),
+        ],
+        materials: vec![
+            diffuse("lamp", Rgb::new(0.6, 0.4, 0.2), Rgb::new(1.0, 2.0, 3.0)),
+            diffuse("grey", Rgb::new(0.5, 0.7, 0.9), Rgb::BLACK),
+        ],
+        sensor: Some(pinhole(DVec3::new(0.5, 0.5, 2.2), DVec3::new(0.5, 0.5, 0.0), 50.0)),
+        film: Some(film),
+        ..SceneDescription::default()
+    }
+}
+
 /// A room with two diffuse blocks and a lamp below the ceiling: 32 triangles.
 #[must_use]
 pub fn room(film: FilmSize) -> SceneDescription {

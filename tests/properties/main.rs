@@ -5,5 +5,6 @@ mod agreement;
 mod definition;
 mod experiment;
 mod known_answers;
+mod radiosity;
 mod range;
 mod visibility;
