@@ -98,13 +98,15 @@ impl Settings {
         }
     }
 
-    /// `roulette` (`off`, `local`, `throughput`) and `roulette_start`, the edges before its first decision.
+    /// `roulette` (`off`, `fixed`, `local`, `throughput`), `roulette_start`, the edges before its first decision, and
+    /// `survival`, the probability of `fixed`.
     ///
     /// # Errors
-    /// Where the kind is unknown or the start no whole number.
+    /// Where the kind is unknown, the start no whole number or the probability none.
     pub fn roulette(&mut self, default: Roulette) -> Result<Roulette, SettingsError> {
         let (kind, start) = match default {
             Roulette::Off => ("off", 5),
+            Roulette::Fixed { start, .. } => ("fixed", start),
             Roulette::Local { start } => ("local", start),
             Roulette::Throughput { start } => ("throughput", start),
         };
@@ -115,9 +117,17 @@ impl Settings {
         };
         match kind.as_str() {
             "off" => Ok(Roulette::Off),
+            "fixed" => {
+                let survival = self.get("survival", 0.7, "a number above 0 and up to 1")?;
+                if survival > 0.0 && survival <= 1.0 {
+                    Ok(Roulette::Fixed { start, survival })
+                } else {
+                    Err(Self::wrong("survival", &survival.to_string(), "a number above 0 and up to 1"))
+                }
+            }
             "local" => Ok(Roulette::Local { start }),
             "throughput" => Ok(Roulette::Throughput { start }),
-            _ => Err(Self::wrong("roulette", &kind, "off, local or throughput")),
+            _ => Err(Self::wrong("roulette", &kind, "off, fixed, local or throughput")),
         }
     }
 

@@ -11,6 +11,13 @@ use crate::spectrum::Rgb;
 pub enum Roulette {
     /// Goes on until it leaves the scene or reaches the longest length.
     Off,
+    /// `q` the same everywhere.
+    Fixed {
+        /// Edges before the first decision.
+        start: u32,
+        /// q, above 0.
+        survival: f64,
+    },
     /// `q = min(1, max_c w)`, with w the weight `f_s |cos θ| / p_σ` of the last scattering alone. Local, so the walk that
     /// comes from the other end can evaluate it too.
     Local {
@@ -32,6 +39,7 @@ impl Roulette {
     #[inline(always)]
     pub fn survival(&self, edges: u32, local: impl FnOnce() -> Rgb, throughput: impl FnOnce() -> Rgb) -> f64 {
         match *self {
+            Self::Fixed { survival, .. } if self.applies(edges) => survival,
             Self::Local { .. } if self.applies(edges) => local().max_component().min(1.0),
             Self::Throughput { .. } if self.applies(edges) => throughput().max_component().min(0.95),
             _ => 1.0,
@@ -44,7 +52,7 @@ impl Roulette {
     pub fn applies(&self, edges: u32) -> bool {
         match *self {
             Self::Off => false,
-            Self::Local { start } | Self::Throughput { start } => edges >= start,
+            Self::Fixed { start, .. } | Self::Local { start } | Self::Throughput { start } => edges >= start,
         }
     }
 

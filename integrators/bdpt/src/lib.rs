@@ -49,7 +49,8 @@ impl Bidirectional {
             return Err(SettingsError::Value {
                 name: "roulette".into(),
                 value: "throughput".into(),
-                expected: "expected off or local: bdpt evaluates each walk's densities from the other end too".into(),
+                expected: "expected off, fixed or local: bdpt evaluates each walk's densities from the other end too"
+                    .into(),
             });
         }
         Ok(Self { max_length, roulette, heuristic: settings.heuristic()? })

@@ -75,6 +75,34 @@ fn lengths_may_be_estimated_in_every_way() {
     }
 }
 
+/// A walk may end by albedo, by its throughput's bound or by a fixed probability, from the first vertex on: no bias.
+#[test]
+fn roulette_has_no_bias() {
+    for roulette in ["local", "throughput", "fixed:survival=0.6"] {
+        for (integrator, passes) in [("path", 600), ("path_bsdf", 600), ("light", 3000)] {
+            meets_the_enclosure(&format!("{integrator}:roulette={roulette}:roulette_start=1"), 1000, passes);
+        }
+    }
+    meets_the_enclosure("bdpt:roulette=fixed:survival=0.5:roulette_start=1", 1000, 600);
+}
+
+/// A longest length is biased by what longer paths carry, `L_e ρ^N / (1 − ρ)`: measured at 1, 2, 4, 8 and 16 edges.
+#[test]
+fn truncation_has_the_bias_of_its_closed_form() {
+    let all = truncated(1000);
+    for n in [1, 2, 4, 8, 16] {
+        let (mean, error) = mean_and_error(&render(&format!("path:roulette=off:max_length={n}"), &enclosure(), 400));
+        let (bias, expected) = ((mean - all) / all, (truncated(n) - all) / all);
+        println!(
+            "{n:2} edges: bias {:+.4} ± {:.4} %, closed form {:+.4} %",
+            100.0 * bias,
+            100.0 * error / all,
+            100.0 * expected
+        );
+        assert!((bias - expected).abs() < 4.5 * error / all + 1e-12, "{n} edges: {bias}, expected {expected}");
+    }
+}
+
 /// The same image as `path` in scenes with all kinds of emitters and scattering: z-tests of the mean at 4.5 standard errors.
 #[test]
 fn combinations_agree_with_path() {
