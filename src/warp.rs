@@ -74,6 +74,20 @@ fn disk_and_radius(u: [f64; 2]) -> (DVec2, f64) {
     (if wide { DVec2::new(r * c, r * s) } else { DVec2::new(r * s, r * c) }, r)
 }
 
+/// The inverse of [`concentric_disk`].
+#[must_use]
+pub fn concentric_square(p: DVec2) -> [f64; 2] {
+    let r = p.length();
+    // The angle within the eighth of a turn on either side of the nearest axis, in eighths.
+    let eighths = |across: f64, along: f64| libm::atan2(across, along.abs()) / FRAC_PI_4;
+    let (a, b) = if p.x.abs() > p.y.abs() {
+        (r.copysign(p.x), r * eighths(p.y, p.x))
+    } else {
+        (r * eighths(p.x, p.y), r.copysign(p.y))
+    };
+    [0.5 * (a + 1.0), 0.5 * (b + 1.0)].map(|u| u.clamp(0.0, 1.0 - f64::EPSILON))
+}
+
 /// The density of [`concentric_disk`], `1/π` on the unit disk.
 pub const CONCENTRIC_DISK_DENSITY: Density<Area> = Density::new(FRAC_1_PI);
 
@@ -208,6 +222,14 @@ mod tests {
             assert!(unit(uniform_sphere(u)) && unit(uniform_cone(u, 1e-20)), "{u:?}");
             let b = uniform_triangle(u);
             assert!(b.iter().all(|&x| x >= 0.0) && (b.iter().sum::<f64>() - 1.0).abs() < 1e-15, "{u:?}");
+        }
+    }
+
+    #[test]
+    fn the_concentric_map_has_an_inverse() {
+        for u in lattice(64) {
+            let back = concentric_square(concentric_disk(u));
+            assert!((back[0] - u[0]).abs() < 1e-14 && (back[1] - u[1]).abs() < 1e-14, "{u:?}: {back:?}");
         }
     }
 

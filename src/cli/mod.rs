@@ -5,6 +5,7 @@ mod compare;
 mod export;
 mod interrupt;
 mod list;
+mod measure;
 mod progress;
 mod render;
 mod replay;
@@ -43,6 +44,7 @@ enum Command {
     Export(export::ExportArgs),
     List(list::ListArgs),
     Verify(verify::VerifyArgs),
+    Measure(measure::MeasureArgs),
 }
 
 /// A command line that makes no sense.
@@ -78,6 +80,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
         Command::Verify(args) => verify::run(registry, args),
+        Command::Measure(args) => measure::run(registry, args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -168,6 +168,8 @@ impl Builder<'_> {
                 FilmSize { width: 256, height: ((256.0 * half_height / half_width).round() as u32).max(1) }
             }
             Projection::Perspective { aspect: None, .. } => FilmSize { width: 256, height: 256 },
+            Projection::Hemisphere | Projection::Window { .. } => FilmSize { width: 64, height: 64 },
+            Projection::Ray => return Ok(FilmSize { width: 1, height: 1 }),
         };
         let size = self.options.film.or(self.description.film).unwrap_or(default);
         let valid = 1..=65535;
@@ -286,6 +288,12 @@ impl Builder<'_> {
 }
 
 impl SceneDescription {
+    /// The smallest box around all surfaces; `None` where there are none.
+    #[must_use]
+    pub fn bounds(&self) -> Option<Bounds> {
+        Some(bounds(self)).filter(|bounds| !bounds.is_empty())
+    }
+
     /// The camera that [`Scene::build`] uses for a file without one: it sees all surfaces, from the front and a little
     /// above. `None` where there are none.
     #[must_use]

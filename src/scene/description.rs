@@ -232,6 +232,19 @@ pub enum Projection {
         /// Half the height of what is seen \[m\].
         half_height: f64,
     },
+    /// No image but a meter: all light that arrives at the position from the hemisphere around `forward`, by its cosine. The
+    /// pixels share the hemisphere; π times their mean is the irradiance \[W/m²\].
+    Hemisphere,
+    /// No image but a meter: all light that arrives at a rectangle from the hemisphere around `forward`. The pixels share the
+    /// rectangle; π times their mean is the mean irradiance \[W/m²\].
+    Window {
+        /// Half the extent across `up` \[m\].
+        half_width: f64,
+        /// Half the extent along `up` \[m\].
+        half_height: f64,
+    },
+    /// No image but a meter: the radiance that arrives at the position along `forward` \[W/m²/sr\], in a single pixel.
+    Ray,
 }
 
 /// A thin lens.

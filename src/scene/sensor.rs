@@ -42,6 +42,9 @@ enum Kind {
     Pinhole,
     ThinLens { radius: f64, focus_distance: f64 },
     Orthographic,
+    Hemisphere,
+    Window,
+    Ray,
 }
 
 /// How much a pixel responds to light that arrives along an edge.
@@ -71,6 +74,9 @@ impl Sensor {
             Projection::Orthographic { half_width, half_height } => {
                 (DVec2::new(half_width, half_height), Kind::Orthographic)
             }
+            Projection::Hemisphere => (DVec2::ONE, Kind::Hemisphere),
+            Projection::Window { half_width, half_height } => (DVec2::new(half_width, half_height), Kind::Window),
+            Projection::Ray => (DVec2::ONE, Kind::Ray),
         };
         Self {
             film,
@@ -93,9 +99,9 @@ impl Sensor {
     #[must_use]
     pub fn extent(&self) -> f64 {
         match self.kind {
-            Kind::Pinhole => 0.0,
+            Kind::Pinhole | Kind::Hemisphere | Kind::Ray => 0.0,
             Kind::ThinLens { radius, .. } => radius,
-            Kind::Orthographic => self.half_extent.length(),
+            Kind::Orthographic | Kind::Window => self.half_extent.length(),
         }
     }
 
@@ -105,16 +111,22 @@ impl Sensor {
         self.position
     }
 
-    /// x_k can be drawn before the direction of the last edge, and seen from anywhere: all but orthographic films.
+    /// x_k can be drawn before the direction of the last edge, whatever the pixel, and seen from anywhere.
     #[must_use]
     pub fn has_position(&self) -> bool {
-        self.kind != Kind::Orthographic
+        matches!(self.kind, Kind::Pinhole | Kind::ThinLens { .. } | Kind::Hemisphere)
     }
 
-    /// Light walks can end on it by chance (technique t = 0): it has a lens of finite size.
+    /// A point of it can be drawn for a vertex (technique t = 1): it is not Dirac in position and direction.
+    #[must_use]
+    pub fn can_be_connected(&self) -> bool {
+        self.kind != Kind::Ray
+    }
+
+    /// Light walks can end on it by chance (technique t = 0): it has a lens or a window of finite size.
     #[must_use]
     pub fn can_be_hit(&self) -> bool {
-        matches!(self.kind, Kind::ThinLens { .. })
+        matches!(self.kind, Kind::ThinLens { .. } | Kind::Window)
     }
 
     /// Draws x_k and the direction of the last edge for a pixel. `u` is uniform in `[0, 1)⁴`.
@@ -134,6 +146,14 @@ impl Sensor {
                 (self.vertex(self.position + offset), direction.normalize())
             }
             Kind::Orthographic => (self.vertex(self.position + in_image), self.forward),
+            Kind::Hemisphere => {
+                let unit = raster / size;
+                (self.vertex(self.position), self.to_world(warp::cosine_hemisphere(unit.to_array())))
+            }
+            Kind::Window => {
+                (self.vertex(self.position + in_image), self.to_world(warp::cosine_hemisphere([u[2], u[3]])))
+            }
+            Kind::Ray => (self.vertex(self.position), self.forward),
         }
     }
 
@@ -151,6 +171,16 @@ impl Sensor {
             Kind::Orthographic => {
                 EdgeDensity { position: Density::new(1.0 / pixel_area), direction: Density::new(1.0) }
             }
+            Kind::Hemisphere => {
+                let pixels = f64::from(self.film.width) * f64::from(self.film.height);
+                let direction = pixels * warp::cosine_hemisphere_density(cos);
+                EdgeDensity { position: Density::new(1.0), direction }
+            }
+            Kind::Window => EdgeDensity {
+                position: Density::new(1.0 / pixel_area),
+                direction: warp::cosine_hemisphere_density(cos),
+            },
+            Kind::Ray => EdgeDensity { position: Density::new(1.0), direction: Density::new(1.0) },
         }
     }
 
@@ -166,9 +196,18 @@ impl Sensor {
         let in_image = match self.kind {
             Kind::Pinhole => direction / cos,
             Kind::ThinLens { focus_distance, .. } => direction / cos + offset / focus_distance,
-            Kind::Orthographic => offset,
+            Kind::Orthographic | Kind::Window => offset,
+            Kind::Hemisphere => direction,
+            // Paths of its own walks come back along it but for rounding; no others reach it.
+            Kind::Ray => {
+                return (cos > 1.0 - 1e-9).then(|| Importance { pixel: Pixel { x: 0, y: 0 }, value: 1.0 / cos });
+            }
         };
-        let pixel = self.pixel_at(DVec2::new(in_image.dot(self.right), in_image.dot(self.up)))?;
+        let in_image = DVec2::new(in_image.dot(self.right), in_image.dot(self.up));
+        let pixel = match self.kind {
+            Kind::Hemisphere => self.pixel_of(DVec2::from_array(warp::concentric_square(in_image)))?,
+            _ => self.pixel_at(in_image)?,
+        };
         let density = self.density(direction);
         let value = density.position.value() * density.direction.value() / xk.abs_cos(direction);
         Some(Importance { pixel, value })
@@ -190,6 +229,13 @@ impl Sensor {
                 let vertex = self.vertex(from.position - self.forward * depth);
                 (depth > 0.0).then_some(DirectSample { vertex, density: self.direct_density(from, &vertex) })
             }
+            Kind::Hemisphere => Some(DirectSample { vertex: self.vertex(self.position), density: Density::new(1.0) }),
+            Kind::Window => {
+                let at = (DVec2::from_array(u) * 2.0 - 1.0) * self.half_extent;
+                let vertex = self.vertex(self.position + self.right * at.x + self.up * at.y);
+                Some(DirectSample { vertex, density: self.direct_density(from, &vertex) })
+            }
+            Kind::Ray => None,
         }
     }
 
@@ -198,8 +244,10 @@ impl Sensor {
     #[inline(always)]
     pub fn direct_density(&self, from: &Vertex, xk: &Vertex) -> Density<Area> {
         match self.kind {
-            Kind::Pinhole => Density::new(1.0),
+            Kind::Pinhole | Kind::Hemisphere => Density::new(1.0),
             Kind::ThinLens { radius, .. } => lens_density(radius),
+            Kind::Window => Density::new(1.0 / self.area()),
+            Kind::Ray => Density::ZERO,
             Kind::Orthographic => {
                 let edge = Edge::between(from, xk);
                 Density::new(1.0) * edge.solid_angle_to_area(xk)
@@ -211,7 +259,9 @@ impl Sensor {
     #[must_use]
     #[inline]
     pub fn crossing(&self, from: &Vertex, direction: DVec3, t_max: f64) -> Option<Vertex> {
-        let Kind::ThinLens { radius, .. } = self.kind else { return None };
+        if !self.can_be_hit() {
+            return None;
+        }
         let approach = -direction.dot(self.forward);
         if approach <= 0.0 {
             return None;
@@ -219,7 +269,13 @@ impl Sensor {
         let t = (from.position - self.position).dot(self.forward) / approach;
         let position = from.position + direction * t;
         let offset = position - self.position;
-        let inside = offset.length_squared() <= radius * radius;
+        let inside = match self.kind {
+            Kind::ThinLens { radius, .. } => offset.length_squared() <= radius * radius,
+            _ => {
+                let DVec2 { x, y } = self.half_extent;
+                offset.dot(self.right).abs() <= x && offset.dot(self.up).abs() <= y
+            }
+        };
         (t > 0.0 && t < t_max && inside).then(|| self.vertex(position))
     }
 
@@ -230,14 +286,30 @@ impl Sensor {
     }
 
     #[inline]
+    fn to_world(&self, local: DVec3) -> DVec3 {
+        self.right * local.x + self.up * local.y + self.forward * local.z
+    }
+
+    /// Of the image \[m²\], for those that have one in the scene: orthographic films and windows.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        4.0 * self.half_extent.x * self.half_extent.y
+    }
+
+    #[inline]
     fn pixel_area(&self) -> f64 {
         let pixels = f64::from(self.film.width) * f64::from(self.film.height);
-        4.0 * self.half_extent.x * self.half_extent.y / pixels
+        self.area() / pixels
     }
 
     #[inline]
     fn pixel_at(&self, image: DVec2) -> Option<Pixel> {
-        let unit = (image / self.half_extent * DVec2::new(1.0, -1.0) + 1.0) * 0.5;
+        self.pixel_of((image / self.half_extent * DVec2::new(1.0, -1.0) + 1.0) * 0.5)
+    }
+
+    /// The pixel at a point of the unit square.
+    #[inline]
+    fn pixel_of(&self, unit: DVec2) -> Option<Pixel> {
         let raster = unit * DVec2::new(f64::from(self.film.width), f64::from(self.film.height));
         let inside = raster.cmpge(DVec2::ZERO).all()
             && raster.x < f64::from(self.film.width)

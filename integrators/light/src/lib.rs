@@ -84,6 +84,15 @@ struct Departure {
 impl Estimator for LightTracer {
     type Scratch = ();
 
+    fn supports(&self, scene: &Scene) -> Result<(), String> {
+        if scene.sensor().can_be_connected() {
+            Ok(())
+        } else {
+            Err("light walks cannot reach a sensor that is Dirac in position and direction: use `path` or `bdpt`"
+                .into())
+        }
+    }
+
     fn misses(&self, scene: &Scene) -> Option<String> {
         let sensor = scene.sensor();
         if sensor.can_be_hit() {

@@ -43,6 +43,10 @@ pub(super) fn sensor(scene: &SceneDescription, options: &ExportOptions) -> Resul
                 sensor.position,
             )
         }
+        Projection::Hemisphere | Projection::Window { .. } | Projection::Ray => {
+            let remedy = "choose a camera";
+            return Err(ExportError::unsupported(&scene.name, place, "meters that are no cameras", remedy));
+        }
         // Its film covers [−1, 1] in x and [−height/width, height/width] in y.
         Projection::Orthographic { half_width, half_height } => Element::plugin("sensor", "orthographic").frame(
             left * half_width,

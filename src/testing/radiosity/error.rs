@@ -22,8 +22,8 @@ pub enum RadiosityError {
     /// A mesh with interpolated normals.
     #[error("mesh '{0}': radiosity knows flat shading only; leave out its vertex normals")]
     ShadingNormals(String),
-    /// A thin lens.
-    #[error("camera '{0}': images are averaged behind pinholes and orthographic films only; leave out its lens")]
+    /// A thin lens, or a meter.
+    #[error("camera '{0}': images are averaged behind pinholes and orthographic films only; choose one without a lens")]
     Lens(String),
     /// The patches' size is no length.
     #[error("patch edge of {0} m: give a positive finite length")]

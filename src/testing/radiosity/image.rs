@@ -42,6 +42,9 @@ impl View {
                 (DVec2::new(aspect * half_height, half_height), false)
             }
             Projection::Orthographic { half_width, half_height } => (DVec2::new(half_width, half_height), true),
+            Projection::Hemisphere | Projection::Window { .. } | Projection::Ray => {
+                unreachable!("DiffuseScene refuses meters")
+            }
         };
         Self {
             position: camera.position,

@@ -158,7 +158,13 @@ fn check(description: &SceneDescription) -> Result<(), RadiosityError> {
     }
     match &description.sensor {
         Some(SensorDescription {
-            name, projection: Projection::Perspective { lens: Some(Lens { .. }), .. }, ..
+            name,
+            projection:
+                Projection::Perspective { lens: Some(Lens { .. }), .. }
+                | Projection::Hemisphere
+                | Projection::Window { .. }
+                | Projection::Ray,
+            ..
         }) => Err(RadiosityError::Lens(name.clone())),
         _ => Ok(()),
     }

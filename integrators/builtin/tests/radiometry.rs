@@ -1,0 +1,209 @@
+//! Radiometric quantities by every integrator that can estimate them, against their closed forms.
+//!
+//! Each estimate is within 4.5 standard errors of its closed form, which are at most 1 % of it: of 60 estimates that are
+//! right one fails in 2400 runs; a deviation of 6 % would be seen always.
+
+use std::f64::consts::PI;
+
+use glam::DVec3;
+use pathspace::estimator::{Control, Integrator};
+use pathspace::film::Film;
+use pathspace::scene::description::{FilmSize, Light, LightKind, Projection, SensorDescription, Sphere};
+use pathspace::scene::{Scene, SceneDescription};
+use pathspace::spectrum::Rgb;
+use pathspace::testing::scenes;
+use pathspace_builtin::registry;
+
+struct Passes(u64);
+
+impl Control for Passes {
+    fn next_passes(&mut self, film: &Film) -> u64 {
+        self.0 - film.passes()
+    }
+}
+
+fn integrator(name: &str) -> Box<dyn Integrator> {
+    registry().build(&format!("{name}:max_length=3"), &[]).expect("it is known").integrator
+}
+
+fn sensor(position: DVec3, forward: DVec3, projection: Projection) -> SensorDescription {
+    let right = forward.any_orthonormal_vector();
+    SensorDescription { name: "meter".into(), position, forward, up: right.cross(forward), projection }
+}
+
+/// Mean pixel in green, with its standard error.
+fn measure(name: &str, scene: &SceneDescription, passes: u64) -> (f64, f64) {
+    let scene: Scene = scenes::build(scene);
+    let size = scene.sensor().film();
+    let integrator = integrator(name);
+    integrator.supports(&scene).unwrap_or_else(|why| panic!("{name}: {why}"));
+    let mut film = Film::new(size.width, size.height, None).expect("it has pixels");
+    integrator.render(&scene, 21, &mut film, &mut Passes(passes));
+    assert_eq!((film.counters.invalid, film.counters.negative), (0, 0), "{name}");
+    let moments = &film.block_statistics().image()[1];
+    (moments.mean, moments.variance_of_mean().sqrt())
+}
+
+fn meets(what: &str, scene: &SceneDescription, scale: f64, expected: f64, integrators: &[&str]) {
+    for name in integrators {
+        let (mean, error) = measure(name, scene, 3000);
+        let (mean, error) = (mean * scale, error * scale);
+        assert!(error <= 0.01 * expected, "{what}, {name}: standard error {error} of {expected}");
+        assert!(
+            (mean - expected).abs() <= 4.5 * error + 1e-7 * expected,
+            "{what}, {name}: {mean} ± {error}, expected {expected}"
+        );
+    }
+}
+
+const ALL: [&str; 4] = ["path", "light", "bdpt", "path_bsdf"];
+
+/// A black scene with this meter; light is yet to come.
+fn dark(meter: SensorDescription) -> SceneDescription {
+    SceneDescription {
+        name: "meter".into(),
+        materials: vec![
+            scenes::diffuse("black", Rgb::BLACK, Rgb::BLACK),
+            scenes::diffuse("lamp", Rgb::BLACK, Rgb::new(1.0, 3.0, 2.0)),
+        ],
+        sensor: Some(meter),
+        film: Some(FilmSize { width: 8, height: 8 }),
+        ..SceneDescription::default()
+    }
+}
+
+/// The 1 × 1 square above the origin at distance one, which emits 3 W/m²/sr downwards.
+fn with_square(mut scene: SceneDescription) -> SceneDescription {
+    let corner = DVec3::new(-0.5, 1.0, -0.5);
+    scene.meshes.push(scenes::rectangle("lamp", corner, DVec3::X, DVec3::Z, 1));
+    scene
+}
+
+fn with_sphere(mut scene: SceneDescription, centre: DVec3, radius: f64) -> SceneDescription {
+    scene.spheres.push(Sphere { name: "lamp".into(), centre, radius, material: 1 });
+    scene
+}
+
+#[test]
+fn irradiance_below_a_square() {
+    let scene = with_square(dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Hemisphere)));
+    meets("square", &scene, PI, 3.0 * 0.752_274_688_454_1, &ALL);
+}
+
+/// `E = Φ/(4π r²) cos θ` with `Φ = 4π² a² L`, that is `π L (a/r)² cos θ`: radiance, times the sphere's projected solid angle.
+#[test]
+fn irradiance_of_a_sphere_and_its_cosine() {
+    for (radius, distance, angle) in [(0.5, 2.0, 0.0), (0.1, 3.0, 0.0), (0.2, 1.5, 0.6_f64), (0.05, 1.0, 1.2)] {
+        let normal = DVec3::new(angle.sin(), angle.cos(), 0.0);
+        let meter = sensor(DVec3::ZERO, normal, Projection::Hemisphere);
+        let scene = with_sphere(dark(meter), DVec3::Y * distance, radius);
+        let expected = PI * 3.0 * (radius / distance).powi(2) * angle.cos();
+        // Walks from the sensor meet a small sphere by chance only.
+        meets("sphere", &scene, PI, expected, if radius == 0.5 { &ALL } else { &["light", "bdpt"] });
+    }
+}
+
+/// A point light is the limit of small spheres of the same flux: `E = I cos θ / r²`. The light itself lights a white floor
+/// beside the meter as the smallest sphere does.
+#[test]
+fn irradiance_of_a_point_light_is_the_limit_of_spheres() {
+    let (distance, intensity) = (2.0, 0.7);
+    let position = DVec3::new(0.5, distance, 0.0);
+    let r2 = position.length_squared();
+    let expected = intensity * (distance / r2.sqrt()) / r2;
+    for radius in [0.3, 0.03, 0.003] {
+        let radiance = intensity / (PI * radius * radius);
+        let mut sphere = dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Hemisphere));
+        sphere.materials[1].emission = Rgb::grey(radiance);
+        meets("small sphere", &with_sphere(sphere, position, radius), PI, expected, &["light", "bdpt"]);
+    }
+    let floor = |lit: &dyn Fn(&mut SceneDescription)| {
+        let mut scene = dark(sensor(DVec3::new(0.0, 1.0, 0.0), -DVec3::Y, Projection::Hemisphere));
+        scene.materials.push(scenes::diffuse("white", Rgb::WHITE, Rgb::BLACK));
+        let corner = DVec3::new(-1.0, 0.0, 1.0);
+        scene.meshes.push(scenes::rectangle("floor", corner, DVec3::X * 2.0, DVec3::Z * -2.0, 2));
+        lit(&mut scene);
+        measure("bdpt:roulette=off", &scene, 3000)
+    };
+    let by_point = floor(&|scene| {
+        let kind = LightKind::Point { position, intensity: Rgb::grey(intensity) };
+        scene.lights.push(Light { name: "bulb".into(), kind });
+    });
+    let by_sphere = floor(&|scene| {
+        scene.materials[1].emission = Rgb::grey(intensity / (PI * 9e-6));
+        scene.spheres.push(Sphere { name: "lamp".into(), centre: position, radius: 0.003, material: 1 });
+    });
+    let error = by_point.1.hypot(by_sphere.1);
+    assert!(error < 0.01 * by_point.0, "{by_point:?} {by_sphere:?}");
+    assert!((by_point.0 - by_sphere.0).abs() < 4.5 * error, "{by_point:?} {by_sphere:?}");
+}
+
+/// Radiance along a ray in a vacuum is the same at every distance.
+#[test]
+fn radiance_is_constant_along_a_ray() {
+    for distance in [0.1, 0.5, 0.9] {
+        let meter = sensor(DVec3::Y * (1.0 - distance), DVec3::Y, Projection::Ray);
+        for name in ["path", "path_bsdf", "bdpt"] {
+            let (mean, error) = measure(name, &with_square(dark(meter.clone())), 200);
+            assert!((mean - 3.0).abs() < 1e-12 && error < 1e-12, "{name} at {distance}: {mean} ± {error}");
+        }
+    }
+    let light = integrator("light");
+    let scene = scenes::build(&with_square(dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Ray))));
+    assert!(light.supports(&scene).is_err_and(|why| why.contains("Dirac")));
+}
+
+/// The flux through a closed box around an emitter is the emitter's, `π A L`; through one window, that of its form factor.
+#[test]
+fn flux_leaves_through_a_box() {
+    let window = |centre: DVec3, forward: DVec3, half: f64| {
+        sensor(centre, forward, Projection::Window { half_width: half, half_height: half })
+    };
+    // Two opposed unit squares at distance one exchange F π L A, with F = 0.19982489569839.
+    let scene = with_square(dark(window(DVec3::ZERO, DVec3::Y, 0.5)));
+    meets("opposed squares", &scene, PI, PI * 3.0 * 0.199_824_895_698_39, &ALL);
+    let radius = 0.3;
+    let mut total = 0.0;
+    let mut variance = 0.0;
+    for axis in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z] {
+        let scene = with_sphere(dark(window(axis, -axis, 1.0)), DVec3::new(0.2, -0.1, 0.3), radius);
+        let (mean, error) = measure("path", &scene, 2000);
+        total += 4.0 * PI * mean;
+        variance += (4.0 * PI * error).powi(2);
+    }
+    let expected = 4.0 * PI * radius * radius * PI * 3.0;
+    assert!((total - expected).abs() < 4.5 * variance.sqrt(), "{total} ± {}, expected {expected}", variance.sqrt());
+}
+
+/// `I(ω) = L A cos θ` for a flat emitter, and `π a² L` for a sphere from everywhere.
+#[test]
+fn intensity_of_emitters() {
+    for angle in [0.0, 0.5, 1.2_f64] {
+        let direction = DVec3::new(angle.sin(), -angle.cos(), 0.0);
+        let meter = sensor(
+            DVec3::Y + 3.0 * direction,
+            -direction,
+            Projection::Orthographic { half_width: 1.0, half_height: 1.0 },
+        );
+        meets("square", &with_square(dark(meter)), 4.0, 3.0 * angle.cos(), &ALL);
+    }
+    let meter = sensor(DVec3::X * 3.0, -DVec3::X, Projection::Orthographic { half_width: 1.0, half_height: 1.0 });
+    meets("sphere", &with_sphere(dark(meter), DVec3::ZERO, 0.4), 4.0, PI * 0.16 * 3.0, &ALL);
+}
+
+/// Irradiance is the integral of radiance times cosine: that below the square from rays of a hemisphere, by quadrature.
+#[test]
+fn irradiance_is_the_integral_of_radiance_by_cosine() {
+    let n = 40;
+    let mut sum = 0.0;
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        let u = [i, j].map(|k| (f64::from(k) + 0.5) / f64::from(n));
+        let direction = pathspace::warp::cosine_hemisphere(u);
+        let forward = DVec3::new(direction.x, direction.z, direction.y);
+        let (mean, _) = measure("path_bsdf", &with_square(dark(sensor(DVec3::ZERO, forward, Projection::Ray))), 2);
+        sum += mean;
+    }
+    let irradiance = PI * sum / f64::from(n * n);
+    // The integrand is an indicator; cells that the square's edge crosses leave an error of about 1/n of its perimeter.
+    assert!((irradiance / (3.0 * 0.752_274_688_454_1) - 1.0).abs() < 0.02, "{irradiance}");
+}
