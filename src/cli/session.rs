@@ -43,7 +43,7 @@ impl Outputs {
     /// Writes the state, if it is wanted, and the image. When one fails the other is written nevertheless.
     pub(super) fn write(&self, film: &Film, info: &RenderInfo, with_state: bool) -> Result<(), FileError> {
         let state = if with_state { state::save(&self.state, film, info) } else { Ok(()) };
-        write_image(&self.image, film, &[], info, self.exposure).and(state)
+        write_image(&self.image, film, info, self.exposure).and(state)
     }
 }
 
