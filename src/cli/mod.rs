@@ -6,6 +6,7 @@ mod export;
 mod interrupt;
 mod list;
 mod progress;
+mod pyramid;
 mod render;
 mod replay;
 mod scene;
@@ -39,6 +40,7 @@ struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Compare(Box<compare::CompareArgs>),
+    Pyramid(pyramid::PyramidArgs),
     Export(export::ExportArgs),
     List(list::ListArgs),
 }
@@ -73,6 +75,7 @@ pub fn main(registry: &Registry) -> ExitCode {
     let result = match &cli.command {
         Command::Render(args) => render::run(registry, args),
         Command::Compare(args) => compare::run(registry, args),
+        Command::Pyramid(args) => pyramid::run(args),
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
     };

@@ -94,6 +94,11 @@ impl Session {
         }
     }
 
+    /// Takes the progress bar away, whoever has ended the render.
+    pub(super) fn end(&self) {
+        self.progress.finish();
+    }
+
     /// The user has ended it before its budget was spent.
     pub(super) fn interrupted(&self) -> bool {
         self.interrupted
@@ -161,7 +166,6 @@ impl Control for Session {
         let wanted = self.decide(film);
         self.interrupted = wanted > 0 && interrupt::requested();
         if wanted == 0 || self.interrupted {
-            self.progress.finish();
             return 0;
         }
         self.write_checkpoint(film);

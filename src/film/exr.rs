@@ -81,6 +81,10 @@ fn text(value: &str) -> Text {
     Text::from_slice_unchecked(value.as_bytes())
 }
 
+fn string(text: &Text) -> String {
+    String::from_utf8_lossy(text.as_slice()).into_owned()
+}
+
 fn push_channels(channels: &mut SmallVec<[AnyChannel<FlatSamples>; 4]>, prefix: &str, image: &Image) {
     let mut push = |channel: &str, value: fn(&Rgb) -> f64| {
         let samples = image.pixels.iter().map(|pixel| value(pixel) as f32).collect();
@@ -159,7 +163,7 @@ pub fn read_layers(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Layered
     let Vec2(width, height) = read.layer_data.size;
     let mut layers: BTreeMap<String, [Option<FlatSamples>; 3]> = BTreeMap::new();
     for channel in read.layer_data.channel_data.list {
-        let name = channel.name.to_string();
+        let name = string(&channel.name);
         let (layer, colour) = name.rsplit_once('.').unwrap_or(("", &name));
         let place = ["R", "G", "B"].iter().position(|&known| known == colour);
         if let Some(place) = place.filter(|_| wanted(layer) && channel.sampling == Vec2(1, 1)) {
@@ -175,7 +179,7 @@ pub fn read_layers(path: &Path, wanted: impl Fn(&str) -> bool) -> Result<Layered
     let broken = |error: super::FilmError| FileError::Exr { path: path.to_owned(), what: error.to_string() };
     let layers: Result<_, _> = whole.map(|(name, image)| Ok((name, image.map_err(broken)?))).collect();
     let texts = read.layer_data.attributes.other.iter().filter_map(|(name, value)| match value {
-        AttributeValue::Text(value) => Some((name.to_string(), value.to_string())),
+        AttributeValue::Text(value) => Some((string(name), string(value))),
         _ => None,
     });
     Ok(LayeredImage { layers: layers?, texts: texts.collect() })

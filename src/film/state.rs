@@ -296,10 +296,10 @@ mod tests {
         let path = folder.path().join("a.film");
         let mut film = film(0..2, None);
         save(&path, &film, &info()).unwrap();
-        let text = String::from_utf8_lossy(&fs::read(&path).unwrap()).into_owned();
-        assert!(text.contains(r#"{\"format\":1,"#));
         let mut bytes = fs::read(&path).unwrap();
-        let place = text.find(r#"\"format\":1"#).unwrap() + r#"\"format\":"#.len();
+        let format = br#"{\"format\":"#;
+        let place = bytes.windows(format.len()).position(|part| part == format).unwrap() + format.len();
+        assert_eq!(bytes[place..place + 2], *b"1,");
         bytes[place] = b'7';
         fs::write(&path, bytes).unwrap();
         assert!(matches!(load(&path), Err(FileError::Version { found: 7, expected: 1, .. })));

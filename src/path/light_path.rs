@@ -27,7 +27,7 @@ impl Technique {
     /// Length of its paths in edges, k = s + t − 1.
     #[must_use]
     pub fn edges(self) -> u32 {
-        (self.s + self.t).saturating_sub(1)
+        self.s.saturating_add(self.t).saturating_sub(1)
     }
 }
 

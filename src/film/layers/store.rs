@@ -269,9 +269,8 @@ impl Tile {
 
     /// Adds a pass's contributions, sorted by pixel, length and s, to pixels from `first` on.
     fn add(&mut self, first: usize, contributions: &[Contribution], selection: LayerSelection) {
-        let same_length = |a: &Contribution, b: &Contribution| {
-            a.pixel == b.pixel && a.technique.edges() == b.technique.edges()
-        };
+        let same_length =
+            |a: &Contribution, b: &Contribution| a.pixel == b.pixel && a.technique.edges() == b.technique.edges();
         for of_length in contributions.chunk_by(same_length) {
             let at = of_length[0].pixel as usize - first;
             if selection.length {
@@ -308,5 +307,79 @@ impl Tile {
             Layer::Unweighted(technique) => &self.techniques.get(&technique)?[1],
         };
         Some(block)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const BOTH: LayerSelection = LayerSelection { length: true, technique: true };
+
+    fn contribution(pixel: u32, s: u32, t: u32, value: f64, weight: f64) -> Contribution {
+        Contribution { pixel, technique: Technique { s, t }, value: Rgb::grey(value), weight }
+    }
+
+    fn pass(layers: &Layers, samples: &[&[Contribution]]) -> LayerPass {
+        let mut pass = layers.new_pass();
+        let mut part = LayerPart::default();
+        for sample in samples {
+            sample.iter().for_each(|&contribution| part.add(contribution));
+            part.end_sample(2, 0.5);
+        }
+        pass.add(part);
+        pass
+    }
+
+    fn grey(layers: &Layers, layer: Layer, pixel: usize) -> (f64, f64) {
+        let error = layers.standard_error_image(layer).unwrap();
+        (layers.mean_image(layer).pixels[pixel].g, error.pixels[pixel].g)
+    }
+
+    /// Two passes over pixel 1500, in the second tile: 1 + 2 and 5 in length 2, of which (1, 2) has 1 and 5.
+    fn two_passes() -> Layers {
+        let mut layers = Layers::new(64, 32, BOTH, 1 << 20);
+        let (a, b) = (contribution(1500, 1, 2, 1.0, 0.25), contribution(1500, 0, 3, 2.0, 1.0));
+        layers.add_pass(pass(&layers, &[&[a, b], &[]])).unwrap();
+        layers.add_pass(pass(&layers, &[&[contribution(1500, 1, 2, 5.0, 0.5)], &[]])).unwrap();
+        layers
+    }
+
+    #[test]
+    fn means_and_standard_errors_are_those_of_the_pass_values() {
+        let layers = two_passes();
+        let technique = Technique { s: 1, t: 2 };
+        // Of two values a and b: (a + b)/2 and |a − b|/2.
+        assert_eq!(grey(&layers, Layer::Length { edges: 2 }, 1500), (4.0, 1.0));
+        assert_eq!(grey(&layers, Layer::Weighted(technique), 1500), (3.0, 2.0));
+        assert_eq!(grey(&layers, Layer::Unweighted(technique), 1500), (7.0, 3.0));
+        assert_eq!(grey(&layers, Layer::Weighted(Technique { s: 0, t: 3 }), 1500), (1.0, 1.0));
+        assert_eq!(grey(&layers, Layer::Length { edges: 2 }, 3), (0.0, 0.0));
+        let names: Vec<String> = layers.layers().iter().map(ToString::to_string).collect();
+        assert_eq!(names, ["L_1", "s0_t3.weighted", "s0_t3.unweighted", "s1_t2.weighted", "s1_t2.unweighted"]);
+        assert_eq!(layers.bytes(), 5 * 1024 * 48, "one tile of two in each layer");
+        assert_eq!(layers.without_terms().samples, 2);
+    }
+
+    #[test]
+    fn merged_layers_hold_the_passes_of_both() {
+        let mut twice = two_passes();
+        twice.merge(&two_passes()).unwrap();
+        assert_eq!(twice.passes(), 4);
+        assert_eq!(grey(&twice, Layer::Length { edges: 2 }, 1500).0, 4.0);
+        assert_eq!(twice.tallies().map(|(_, tally)| tally.samples).collect::<Vec<_>>(), [2, 4]);
+        assert!(twice.merge(&Layers::new(64, 31, BOTH, 1)).is_err());
+    }
+
+    #[test]
+    fn a_pass_that_does_not_fit_is_refused_whole() {
+        let mut layers = two_passes();
+        layers.limit = layers.bytes() + 10_000;
+        let before = (layers.passes(), layers.bytes(), layers.layers());
+        let far = contribution(3, 700, 300, 1.0, 1.0);
+        let refused = layers.add_pass(pass(&layers, &[&[contribution(1500, 1, 2, 5.0, 0.5)], &[far]])).unwrap_err();
+        assert!(matches!(refused, FilmError::LayerMemory { layers: 8, passes: 3, .. }), "{refused}");
+        assert_eq!((layers.passes(), layers.bytes(), layers.layers()), before);
+        assert_eq!(layers.add_pass(layers.new_pass()), Err(refused));
     }
 }
