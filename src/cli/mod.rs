@@ -4,6 +4,7 @@ mod args;
 mod compare;
 mod export;
 mod interrupt;
+mod layers;
 mod list;
 mod progress;
 mod pyramid;

@@ -137,6 +137,9 @@ pub(super) fn run(args: &PyramidArgs) -> anyhow::Result<Outcome> {
     let listing = texts.get("layers").and_then(|text| serde_json::from_str::<LayerListing>(text).ok());
     if let Some(listing) = listing.filter(|_| by == By::Technique) {
         writeln!(out, "{}", table(&listing))?;
+        let rest = 1.0 - listing.techniques.iter().map(|row| row.ray_share).sum::<f64>();
+        let (samples, rest) = (listing.without_terms.samples, percent(rest.max(0.0)));
+        writeln!(out, "{samples} samples without a term had the other {rest} of the rays")?;
         writeln!(out, "rays and time: {}", listing.rule)?;
     }
     writeln!(out, "wrote {}, {}x{} pixels", output.display(), picture.width, picture.height)?;

@@ -5,16 +5,17 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
+use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
-use clap::{Args, ValueEnum};
 use serde::{Deserialize, Serialize};
 
 use crate::estimator::{Method, Registry};
-use crate::film::{Film, Layer, LayerSelection, OutputFormat, RenderInfo, ReplayKey, check_writable, state};
+use crate::film::{Film, OutputFormat, RenderInfo, ReplayKey, check_writable, state};
 use crate::scene::LightSelection;
 use crate::scene::description::FilmSize;
 
 use super::args::{self, MaxLength, SceneArgs};
+use super::layers::{self, LayerArgs};
 use super::progress::{mean_luminance, noise, percent, si};
 use super::scene::{self, LoadOptions, LoadedScene};
 use super::session::{Budget, Outputs, Session};
@@ -92,14 +93,8 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     resume: Option<PathBuf>,
 
-    /// Write an image of each path length (L_0, L_1, …), of each technique (s2_t3.weighted and .unweighted), or both into the
-    /// EXR file too, as layers with standard errors; its metadata count samples, rays and time of each technique
-    #[arg(long, value_name = "WHICH", value_enum, value_delimiter = ',', conflicts_with = "replay")]
-    layers: Vec<LayersBy>,
-
-    /// Memory that layers may take [GiB]; about half as much again is needed to write them
-    #[arg(long, value_name = "GIB", default_value_t = 2.0, value_parser = args::gibibytes, requires = "layers")]
-    layer_memory: f64,
+    #[command(flatten)]
+    layers: LayerArgs,
 
     /// Write image and state at 1, 2, 4, 8, … seconds of rendering too, each over the one before
     #[arg(long)]
@@ -108,15 +103,6 @@ pub(super) struct RenderArgs {
     /// Render nothing; print the terms and paths of one sample, with positions in metres in the world
     #[arg(long, value_name = "SEED:X,Y:SAMPLE")]
     replay: Option<ReplayKey>,
-}
-
-/// What layers are of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-enum LayersBy {
-    /// The paths of a length: L_k has k + 1 edges
-    Length,
-    /// A technique (s, t): s vertices from the emitter, t from the sensor
-    Technique,
 }
 
 #[allow(clippy::needless_pass_by_value, reason = "clap hands over a String")]
@@ -182,7 +168,7 @@ impl Resumed {
 }
 
 pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outcome> {
-    check_layers(args)?;
+    args.layers.check(args.output.as_deref(), args.resume.as_deref())?;
     let resumed = args.resume.as_deref().map(Resumed::load).transpose()?;
     let loaded = load_scene(args, resumed.as_ref())?;
     let method = make_method(registry, args, resumed.as_ref(), &loaded)?;
@@ -219,13 +205,7 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
         }
     };
 
-    let layers = LayerSelection {
-        length: args.layers.contains(&LayersBy::Length),
-        technique: args.layers.contains(&LayersBy::Technique),
-    };
-    if layers != LayerSelection::default() {
-        film.keep_layers(layers, (args.layer_memory * f64::from(1 << 30)) as u64)?;
-    }
+    args.layers.keep_in(&mut film)?;
 
     interrupt::listen()?;
     let threads = rayon::ThreadPoolBuilder::new().num_threads(args.threads.into()).build();
@@ -236,53 +216,11 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
     threads.install(|| method.integrator.render(&loaded.scene, seed, &mut film, &mut session));
     session.end();
     if film.passes() == 0 {
-        check_kept_layers(&method, &film, &outputs)?;
+        layers::check_kept(method.name, &film, &outputs.image)?;
     }
     let outcome = finish(&loaded, &method, &film, &session, &outputs, before)?;
-    check_kept_layers(&method, &film, &outputs)?;
+    layers::check_kept(method.name, &film, &outputs.image)?;
     Ok(outcome)
-}
-
-/// Told before anything is loaded.
-fn check_layers(args: &RenderArgs) -> Result<(), UsageError> {
-    if args.layers.is_empty() {
-        return Ok(());
-    }
-    if let Some(state) = &args.resume {
-        return Err(UsageError(format!(
-            "{}: the state of a film holds no layers; render anew without --resume, or go on without --layers",
-            state.display()
-        )));
-    }
-    match &args.output {
-        Some(image) if OutputFormat::from_path(image).is_ok_and(|format| format == OutputFormat::Png) => {
-            Err(UsageError(format!(
-                "{}: a PNG holds no layers; write -o {} and make a picture of it with `pathspace pyramid`",
-                image.display(),
-                image.with_extension("exr").display()
-            )))
-        }
-        _ => Ok(()),
-    }
-}
-
-/// The layers are those of the image, or it is an error.
-fn check_kept_layers(method: &Method, film: &Film, outputs: &Outputs) -> anyhow::Result<()> {
-    let Some(layers) = film.layers() else { return Ok(()) };
-    let standing = match film.passes() {
-        0 => "nothing is written".to_owned(),
-        passes => format!("{} holds the {passes} before", outputs.image.display()),
-    };
-    if let Some(refused) = layers.refused() {
-        bail!(
-            "layers: {refused}; {standing}; raise --layer-memory, or ask for less: --layers length, a shorter \
-             --max-length, a smaller --film"
-        );
-    }
-    if layers.passes() != film.passes() {
-        bail!("layers: integrator {} gives none; {standing}, without layers; leave out --layers", method.name);
-    }
-    Ok(())
 }
 
 fn light_selection_of(args: &RenderArgs, resumed: Option<&Resumed>) -> LightSelection {
@@ -379,13 +317,7 @@ fn finish(
         si(standing.rays_per_second)
     )?;
     writeln!(out, "mean luminance {mean:.6}{error}{noise} (standard errors)")?;
-    write!(out, "wrote {}", outputs.image.display())?;
-    if let Some(layers) = film.layers() {
-        let all = layers.layers();
-        let lengths = all.iter().filter(|layer| matches!(layer, Layer::Length { .. })).count();
-        let techniques = all.iter().filter(|layer| matches!(layer, Layer::Weighted(_))).count();
-        write!(out, " with layers of {lengths} path lengths and {techniques} techniques")?;
-    }
+    write!(out, "wrote {}{}", outputs.image.display(), layers::told(film))?;
     if with_state {
         write!(out, " and {}", outputs.state.display())?;
     }

@@ -34,7 +34,7 @@ pub enum FilmError {
     Incompatible,
     /// Layers would take more memory than they may.
     #[error(
-        "{layers} layers of {width} × {height} pixels need {:.3} GiB after {passes} samples per pixel, and {:.3} GiB are allowed",
+        "{layers} layers of {width} × {height} pixels need {:.3} GiB at {passes} samples per pixel, and {:.3} GiB are allowed",
         gibibytes(*needed),
         gibibytes(*limit)
     )]

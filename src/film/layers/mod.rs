@@ -1,31 +1,8 @@
 //! Images of each path length and of each technique, beside the film's own.
-//!
-//! The image is a sum over path lengths, `I = Σ_k L_k`, and each of these over techniques, `L_k = Σ_{s+t=k+2} C_{s,t}`. The
-//! layers are the terms of both sums:
-//!
-//! | layer | content | expectation |
-//! |---|---|---|
-//! | `L_k` | paths with k + 1 edges: L_0 is seen emission, L_1 direct light | `∫ f_j dμ` over those |
-//! | `s2_t3.weighted` | what technique (2, 3) adds to the image | `∫ w_{2,3} f_j dμ` |
-//! | `s2_t3.unweighted` | its terms divided by their weights | `∫ f_j dμ` over the paths with `w_{2,3} > 0` |
-//!
-//! The unweighted image is that of the technique alone (Veach 1997, figure 10.2 shows both). Where the weight is zero it is
-//! undefined: `0 / 0`, for the term itself is zero. Such terms are left out, and so are those whose quotient is beyond a
-//! double's range; [`Tally::undefined`] counts those that integrators give. With the balance and power heuristics w > 0
-//! wherever the technique can draw the path, so nothing is missing; with the maximum and cutoff heuristics it is the image of
-//! the paths that the technique keeps. Its variance may be infinite where the weighted one's is not.
-//!
-//! A layer `NAME.standard_error` beside each is that of the mean over passes, as for the image; its square times the number
-//! of passes is the variance of one sample.
-//!
-//! **Rays and time.** What the techniques of a sample share (the walks) belongs to none of them alone, and rays that led to
-//! no term carry no technique. So each sample's rays, which are counted exactly, and its time, which is measured around it
-//! with a monotonic clock, are shared among the sample's terms in proportion to the edges of their paths: what each would
-//! have cost if drawn alone. Samples without any term are told apart as [`Layers::without_terms`]. The sums are those of all
-//! samples; the shares are a convention, and time alone is not the same from run to run.
 
 mod store;
 mod tally;
+mod tile;
 
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;

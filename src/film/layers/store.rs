@@ -11,19 +11,37 @@ use crate::path::Technique;
 use crate::spectrum::Rgb;
 
 use super::tally::{LayerPart, Tally};
+use super::tile::{Sums, TILE, Tile};
 use super::{Contribution, Layer, LayerSelection};
 
-/// Pixels whose sums are allocated together: few enough that the layers of rare long paths stay small.
-const TILE: usize = 1024;
-
-/// Memory of a pixel in a layer \[bytes\]: a sum and a sum of squares.
-const PIXEL_BYTES: u64 = 2 * size_of::<Rgb>() as u64;
-
-/// An image for each path length and for each technique, with standard errors; see the module's introduction for what they
-/// hold and how rays and time are shared.
+/// An image of each path length and of each technique, beside the film's own, with standard errors.
 ///
-/// There is no longest path: a layer begins with the first contribution to it, in tiles of 1024 pixels, and takes 48 bytes
-/// per pixel of these. The contributions of the pass in progress are kept besides, 48 bytes each. When both exceed the
+/// The image is a sum over path lengths, `I = Σ_k L_k`, and each of these over techniques, `L_k = Σ_{s+t=k+2} C_{s,t}`. The
+/// layers are the terms of both sums:
+///
+/// | layer | content | expectation |
+/// |---|---|---|
+/// | `L_k` | paths with k + 1 edges: L_0 is seen emission, L_1 direct light | `∫ f_j dμ` over those |
+/// | `s2_t3.weighted` | what technique (2, 3) adds to the image | `∫ w_{2,3} f_j dμ` |
+/// | `s2_t3.unweighted` | its terms divided by their weights | `∫ f_j dμ` over the paths with `w_{2,3} > 0` |
+///
+/// The unweighted image is that of the technique alone (Veach 1997, figure 10.2 shows both). Where the weight is zero it is
+/// undefined: `0 / 0`, for the term itself is zero. Such terms are left out, and so are those whose quotient is beyond a
+/// double's range; [`Tally::undefined`] counts those that integrators give. With the balance and power heuristics w > 0
+/// wherever the technique can draw the path, so nothing is missing; with the maximum and cutoff heuristics it is the image of
+/// the paths that the technique keeps. Its variance may be infinite where the weighted one's is not.
+///
+/// A layer `NAME.standard_error` beside each is that of the mean over passes, as for the image; its square times the number
+/// of passes is the variance of one sample.
+///
+/// **Rays and time.** What the techniques of a sample share (the walks) belongs to none of them alone, and rays that led to
+/// no term carry no technique. So each sample's rays, which are counted exactly, and its time, which is measured around it
+/// with a monotonic clock, are shared among the sample's terms in proportion to the edges of their paths: what each would
+/// have cost if drawn alone. Samples without any term are told apart as [`Layers::without_terms`]. The sums are those of all
+/// samples; the shares are a convention, and time alone is not the same from run to run.
+///
+/// **Memory.** There is no longest path: a layer begins with the first contribution to it, in tiles of 1024 pixels, and takes 48
+/// bytes per pixel of these. The contributions of the pass in progress are kept besides, 48 bytes each. When both exceed the
 /// limit, the pass is refused, and so is every later one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Layers {
@@ -214,99 +232,6 @@ impl Layers {
         let techniques = techniques.into_iter().map(|(edges, s)| Technique { s, t: edges + 1 - s });
         let pair = |technique| [Layer::Weighted(technique), Layer::Unweighted(technique)];
         lengths.chain(techniques.flat_map(pair).filter(|_| self.selection.technique)).collect()
-    }
-}
-
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct Sums {
-    sum: Rgb,
-    squares: Rgb,
-}
-
-impl Sums {
-    fn add(&mut self, value: Rgb) {
-        self.sum += value;
-        self.squares += value * value;
-    }
-}
-
-/// The sums of [`TILE`] pixels in a layer.
-type Block = Vec<Sums>;
-
-fn new_block() -> Block {
-    vec![Sums::default(); TILE]
-}
-
-fn merge_blocks(mine: &mut Block, theirs: &Block) {
-    for (mine, theirs) in mine.iter_mut().zip(theirs) {
-        mine.sum += theirs.sum;
-        mine.squares += theirs.squares;
-    }
-}
-
-#[derive(Clone, Debug, Default, PartialEq)]
-struct Tile {
-    lengths: BTreeMap<u32, Block>,
-    /// Weighted and unweighted.
-    techniques: BTreeMap<Technique, [Block; 2]>,
-}
-
-impl Tile {
-    /// Memory of the sums after these contributions, which are sorted \[bytes\].
-    fn bytes_with(&self, contributions: &[Contribution], selection: LayerSelection) -> u64 {
-        let mut techniques: Vec<Technique> = contributions.iter().map(|c| c.technique).collect();
-        techniques.dedup();
-        techniques.sort_unstable_by_key(|technique| (technique.edges(), technique.s));
-        techniques.dedup();
-        let mut lengths: Vec<u32> = techniques.iter().map(|technique| technique.edges()).collect();
-        lengths.dedup();
-        let of_lengths = lengths.iter().filter(|edges| !self.lengths.contains_key(edges)).count();
-        let of_techniques = techniques.iter().filter(|technique| !self.techniques.contains_key(technique)).count();
-        let lengths = self.lengths.len() + if selection.length { of_lengths } else { 0 };
-        let techniques = self.techniques.len() + if selection.technique { of_techniques } else { 0 };
-        (lengths + 2 * techniques) as u64 * TILE as u64 * PIXEL_BYTES
-    }
-
-    /// Adds a pass's contributions, sorted by pixel, length and s, to pixels from `first` on.
-    fn add(&mut self, first: usize, contributions: &[Contribution], selection: LayerSelection) {
-        let same_length =
-            |a: &Contribution, b: &Contribution| a.pixel == b.pixel && a.technique.edges() == b.technique.edges();
-        for of_length in contributions.chunk_by(same_length) {
-            let at = of_length[0].pixel as usize - first;
-            if selection.length {
-                let total = of_length.iter().map(|c| c.value).sum();
-                self.lengths.entry(of_length[0].technique.edges()).or_insert_with(new_block)[at].add(total);
-            }
-            if !selection.technique {
-                continue;
-            }
-            for of_technique in of_length.chunk_by(|a, b| a.technique == b.technique) {
-                let blocks = self.techniques.entry(of_technique[0].technique);
-                let [weighted, unweighted] = blocks.or_insert_with(|| [new_block(), new_block()]);
-                weighted[at].add(of_technique.iter().map(|c| c.value).sum());
-                unweighted[at].add(of_technique.iter().filter_map(Contribution::unweighted).sum());
-            }
-        }
-    }
-
-    fn merge(&mut self, other: &Self) {
-        for (&edges, block) in &other.lengths {
-            merge_blocks(self.lengths.entry(edges).or_insert_with(new_block), block);
-        }
-        for (&technique, [weighted, unweighted]) in &other.techniques {
-            let mine = self.techniques.entry(technique).or_insert_with(|| [new_block(), new_block()]);
-            merge_blocks(&mut mine[0], weighted);
-            merge_blocks(&mut mine[1], unweighted);
-        }
-    }
-
-    fn sums(&self, layer: Layer) -> Option<&[Sums]> {
-        let block = match layer {
-            Layer::Length { edges } => self.lengths.get(&edges)?,
-            Layer::Weighted(technique) => &self.techniques.get(&technique)?[0],
-            Layer::Unweighted(technique) => &self.techniques.get(&technique)?[1],
-        };
-        Some(block)
     }
 }
 

@@ -54,6 +54,16 @@ fn the_file_lists_its_layers_and_they_sum_to_the_image() {
 }
 
 #[test]
+fn what_was_written_is_told() {
+    let folder = Folder::new();
+    let image = folder.path("a.exr");
+    let told =
+        |layers: &str| succeed(&[&["render", "enclosure", "-o", &image, "--layers", layers], &SMALL[..]].concat());
+    assert!(told("length").contains("a.exr with layers of 3 path lengths\n"));
+    assert!(told("length,technique").contains("with layers of 3 path lengths and 5 techniques\n"));
+}
+
+#[test]
 fn layers_have_the_same_bits_on_any_number_of_threads() {
     let folder = Folder::new();
     for integrator in ["bdpt", "light"] {
@@ -71,7 +81,10 @@ fn pictures_by_length_and_by_technique() {
     render(&folder, "a.exr", &["-i", "bdpt", "--layers", "length,technique"]);
     let image = folder.path("a.exr");
     let text = succeed(&["pyramid", &image]);
-    assert!(text.contains("a.technique.png") && text.lines().any(|line| line.starts_with("L_2 ")), "{text}");
+    assert!(
+        text.contains("a.technique.png") && text.lines().any(|line| line.trim_start().starts_with("L_2 ")),
+        "{text}"
+    );
     let (by_technique, (_, higher)) = (folder.read("a.technique.png"), png_size(&folder.read("a.technique.png")));
     succeed(&["pyramid", &image, "--by", "length"]);
     let (wide, high) = png_size(&folder.read("a.length.png"));
