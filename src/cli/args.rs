@@ -72,6 +72,14 @@ pub(crate) fn seconds(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A size of memory above zero \[GiB\].
+pub(crate) fn gibibytes(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(size) if size > 0.0 && size <= 1e6 => Ok(size),
+        _ => Err("expected a size in GiB above 0, for example 4 or 0.5".into()),
+    }
+}
+
 /// A finite number.
 pub(crate) fn finite(text: &str) -> Result<f64, String> {
     text.parse().ok().filter(|x: &f64| x.is_finite()).ok_or_else(|| "expected a finite number".into())

@@ -4,9 +4,11 @@ mod args;
 mod compare;
 mod export;
 mod interrupt;
+mod layers;
 mod list;
 mod measure;
 mod progress;
+mod pyramid;
 mod render;
 mod replay;
 mod scene;
@@ -41,6 +43,7 @@ struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Compare(Box<compare::CompareArgs>),
+    Pyramid(pyramid::PyramidArgs),
     Export(export::ExportArgs),
     List(list::ListArgs),
     Verify(verify::VerifyArgs),
@@ -77,6 +80,7 @@ pub fn main(registry: &Registry) -> ExitCode {
     let result = match &cli.command {
         Command::Render(args) => render::run(registry, args),
         Command::Compare(args) => compare::run(registry, args),
+        Command::Pyramid(args) => pyramid::run(args),
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
         Command::Verify(args) => verify::run(registry, args),

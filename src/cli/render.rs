@@ -15,6 +15,7 @@ use crate::scene::LightSelection;
 use crate::scene::description::FilmSize;
 
 use super::args::{self, MaxLength, SceneArgs};
+use super::layers::{self, LayerArgs};
 use super::progress::{mean_luminance, noise, percent, si};
 use super::scene::{self, LoadOptions, LoadedScene};
 use super::session::{Budget, Outputs, Session};
@@ -27,6 +28,7 @@ Examples:
   pathspace render cornell_box -i path:heuristic=power:exponent=2:roulette=off --max-length 8 -o box.exr
   pathspace render cornell_box --spp 256 --state box.film -o box.exr
   pathspace render cornell_box --spp 1024 --resume box.film -o box.exr      768 more: the bits of one go
+  pathspace render cornell_box -i bdpt --layers length,technique -o box.exr      for `pathspace pyramid box.exr`
   pathspace render cornell_box --replay 0:12,34:567           the paths of a sample, in metres";
 
 const DEFAULT_INTEGRATOR: &str = "path";
@@ -90,6 +92,9 @@ pub(super) struct RenderArgs {
     /// --state names another file
     #[arg(long, value_name = "FILE", conflicts_with = "replay")]
     resume: Option<PathBuf>,
+
+    #[command(flatten)]
+    layers: LayerArgs,
 
     /// Write image and state at 1, 2, 4, 8, … seconds of rendering too, each over the one before
     #[arg(long)]
@@ -163,6 +168,7 @@ impl Resumed {
 }
 
 pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outcome> {
+    args.layers.check(args.output.as_deref(), args.resume.as_deref())?;
     let resumed = args.resume.as_deref().map(Resumed::load).transpose()?;
     let loaded = load_scene(args, resumed.as_ref())?;
     let method = make_method(registry, args, resumed.as_ref(), &loaded)?;
@@ -199,6 +205,8 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
         }
     };
 
+    args.layers.keep_in(&mut film)?;
+
     interrupt::listen()?;
     let threads = rayon::ThreadPoolBuilder::new().num_threads(args.threads.into()).build();
     let threads = threads.map_err(|error| anyhow!("threads: {error}; ask for fewer with --threads"))?;
@@ -206,7 +214,13 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
     let (seed, before) = (info.seed, film.passes());
     let mut session = Session::new(budget, outputs.clone(), info, &film, args.checkpoints);
     threads.install(|| method.integrator.render(&loaded.scene, seed, &mut film, &mut session));
-    finish(&loaded, &method, &film, &session, &outputs, before)
+    session.end();
+    if film.passes() == 0 {
+        layers::check_kept(method.name, &film, &outputs.image)?;
+    }
+    let outcome = finish(&loaded, &method, &film, &session, &outputs, before)?;
+    layers::check_kept(method.name, &film, &outputs.image)?;
+    Ok(outcome)
 }
 
 fn light_selection_of(args: &RenderArgs, resumed: Option<&Resumed>) -> LightSelection {
@@ -303,7 +317,7 @@ fn finish(
         si(standing.rays_per_second)
     )?;
     writeln!(out, "mean luminance {mean:.6}{error}{noise} (standard errors)")?;
-    write!(out, "wrote {}", outputs.image.display())?;
+    write!(out, "wrote {}{}", outputs.image.display(), layers::told(film))?;
     if with_state {
         write!(out, " and {}", outputs.state.display())?;
     }

@@ -43,7 +43,7 @@ impl Outputs {
     /// Writes the state, if it is wanted, and the image. When one fails the other is written nevertheless.
     pub(super) fn write(&self, film: &Film, info: &RenderInfo, with_state: bool) -> Result<(), FileError> {
         let state = if with_state { state::save(&self.state, film, info) } else { Ok(()) };
-        write_image(&self.image, film, &[], info, self.exposure).and(state)
+        write_image(&self.image, film, info, self.exposure).and(state)
     }
 }
 
@@ -92,6 +92,11 @@ impl Session {
             cpu_seconds: self.info.cpu_seconds + self.processing.as_secs_f64(),
             ..self.info.clone()
         }
+    }
+
+    /// Takes the progress bar away, whoever has ended the render.
+    pub(super) fn end(&self) {
+        self.progress.finish();
     }
 
     /// The user has ended it before its budget was spent.
@@ -161,7 +166,6 @@ impl Control for Session {
         let wanted = self.decide(film);
         self.interrupted = wanted > 0 && interrupt::requested();
         if wanted == 0 || self.interrupted {
-            self.progress.finish();
             return 0;
         }
         self.write_checkpoint(film);

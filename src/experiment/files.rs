@@ -98,7 +98,7 @@ impl Folder {
             return Ok(());
         }
         let folder = self.image_folder(&info.scene, method)?;
-        Ok(write_exr(&folder.join(format!("seed_{}.exr", info.seed)), image, &[], info, spp)?)
+        Ok(write_exr(&folder.join(format!("seed_{}.exr", info.seed)), image, [], info, spp, &[])?)
     }
 
     /// `images/SCENE/METHOD/mean.png`, over all seeds, for looking.

@@ -8,6 +8,7 @@ use super::blocks::{BLOCK_SIDE, BlockGrid, BlockStatistics};
 use super::counters::Counters;
 use super::error::FilmError;
 use super::image::Image;
+use super::layers::{LayerSelection, Layers};
 
 /// Sums over passes of every pixel and of every block's mean, in double precision.
 ///
@@ -21,6 +22,7 @@ pub struct Film {
     pub(super) mask: Option<Vec<bool>>,
     pub(super) statistics: BlockStatistics,
     pub(super) restricted: Option<BlockStatistics>,
+    layers: Option<Layers>,
     pub(super) passes: u64,
     /// What the render has counted so far.
     pub counters: Counters,
@@ -41,6 +43,7 @@ impl Film {
             mask,
             statistics,
             restricted: None,
+            layers: None,
             passes: 0,
             counters: Counters::default(),
         })
@@ -94,6 +97,31 @@ impl Film {
         self.restricted.as_ref()
     }
 
+    /// Keeps besides an image of each path length, of each technique, or both, in at most `limit` bytes. Whoever fills the
+    /// film fills them with [`Layers::add_pass`]. Not part of a saved state.
+    ///
+    /// # Errors
+    /// When passes are there already.
+    pub fn keep_layers(&mut self, selection: LayerSelection, limit: u64) -> Result<(), FilmError> {
+        if self.passes > 0 {
+            return Err(FilmError::Incompatible);
+        }
+        self.layers = Some(Layers::new(self.width(), self.height(), selection, limit));
+        Ok(())
+    }
+
+    /// The layers that [`Film::keep_layers`] asks for.
+    #[must_use]
+    pub fn layers(&self) -> Option<&Layers> {
+        self.layers.as_ref()
+    }
+
+    /// The same, to be filled.
+    #[must_use]
+    pub fn layers_mut(&mut self) -> Option<&mut Layers> {
+        self.layers.as_mut()
+    }
+
     /// Adds one sample in every pixel, row by row from the top left. The result is the same on any number of threads.
     ///
     /// # Errors
@@ -145,6 +173,11 @@ impl Film {
             (Some(mine), Some(theirs)) => mine.merge(theirs)?,
             _ => return Err(FilmError::Incompatible),
         }
+        match (&mut self.layers, &other.layers) {
+            (None, None) => {}
+            (Some(mine), Some(theirs)) => mine.merge(theirs)?,
+            _ => return Err(FilmError::Incompatible),
+        }
         self.statistics.merge(&other.statistics)?;
         for (mine, &theirs) in self.sum.iter_mut().zip(&other.sum) {
             *mine += theirs;
@@ -170,19 +203,24 @@ impl Film {
         if self.passes < 2 {
             return None;
         }
-        let n = self.passes as f64;
-        // Rounding may leave a tiny negative variance, but NaN must stay NaN: hence no f64::max.
-        let error = |sum: f64, squares: f64| {
-            let variance = (squares - sum * sum / n) / (n * (n - 1.0));
-            if variance < 0.0 { 0.0 } else { variance.sqrt() }
-        };
-        let pixel = |(s, q): (&Rgb, &Rgb)| Rgb::new(error(s.r, q.r), error(s.g, q.g), error(s.b, q.b));
-        Some(self.image(self.sum.iter().zip(&self.sum_of_squares).map(pixel).collect()))
+        let pixels = self.sum.iter().zip(&self.sum_of_squares);
+        Some(self.image(pixels.map(|(&sum, &squares)| standard_error(sum, squares, self.passes)).collect()))
     }
 
     fn image(&self, pixels: Vec<Rgb>) -> Image {
         Image { width: self.width(), height: self.height(), pixels }
     }
+}
+
+/// The estimated standard error of a mean, `√((Σ x² − (Σ x)²/n) / (n (n − 1)))`, per channel, for n ≥ 2.
+pub(super) fn standard_error(sum: Rgb, squares: Rgb, passes: u64) -> Rgb {
+    let n = passes as f64;
+    // Rounding may leave a tiny negative variance, but NaN must stay NaN: hence no f64::max.
+    let error = |sum: f64, squares: f64| {
+        let variance = (squares - sum * sum / n) / (n * (n - 1.0));
+        if variance < 0.0 { 0.0 } else { variance.sqrt() }
+    };
+    Rgb::new(error(sum.r, squares.r), error(sum.g, squares.g), error(sum.b, squares.b))
 }
 
 fn add_squares(sum: &mut [Rgb], squares: &mut [Rgb], pass: &[Rgb]) {

@@ -6,7 +6,7 @@ use std::path::PathBuf;
 use thiserror::Error;
 
 /// Pixels that do not fit together.
-#[derive(Debug, Error, PartialEq, Eq)]
+#[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum FilmError {
     /// No pixels, or more than fit into memory.
     #[error(
@@ -32,6 +32,30 @@ pub enum FilmError {
     /// Two films, or their blocks, differ in size or mask.
     #[error("films of different size or mask cannot be put together; render both with the same film settings")]
     Incompatible,
+    /// Layers would take more memory than they may.
+    #[error(
+        "{layers} layers of {width} × {height} pixels need {:.3} GiB at {passes} samples per pixel, and {:.3} GiB are allowed",
+        gibibytes(*needed),
+        gibibytes(*limit)
+    )]
+    LayerMemory {
+        /// Layers of images, without those of standard errors.
+        layers: usize,
+        /// Pixels in a row.
+        width: u32,
+        /// Rows.
+        height: u32,
+        /// Passes with the one that did not fit.
+        passes: u64,
+        /// Bytes for all of them.
+        needed: u64,
+        /// Bytes allowed.
+        limit: u64,
+    },
+}
+
+fn gibibytes(bytes: u64) -> f64 {
+    bytes as f64 / f64::from(1 << 30)
 }
 
 /// A file that cannot be read, written or understood.

@@ -10,6 +10,7 @@ use tempfile::NamedTempFile;
 use super::accumulator::Film;
 use super::error::FileError;
 use super::exr::{NamedLayer, write_exr};
+use super::image::Image;
 use super::png::write_png;
 
 /// What made an image: written into its metadata and kept with a film's state.
@@ -56,27 +57,31 @@ impl OutputFormat {
     }
 }
 
-/// Writes the film's mean in the format that the ending of `path` asks for. `layers` and `info` go into EXR files only,
+/// Writes the film's mean in the format that the ending of `path` asks for. Its layers and `info` go into EXR files only,
 /// `exposure` \[stops\] acts on PNG files only.
 ///
 /// # Errors
-/// When the ending is unknown, a layer does not fit, or the file cannot be written.
-pub fn write_image(
-    path: &Path,
-    film: &Film,
-    layers: &[NamedLayer<'_>],
-    info: &RenderInfo,
-    exposure: f64,
-) -> Result<(), FileError> {
+/// When the ending is unknown, or the file cannot be written.
+pub fn write_image(path: &Path, film: &Film, info: &RenderInfo, exposure: f64) -> Result<(), FileError> {
     let mean = film.mean_image();
     match OutputFormat::from_path(path)? {
         OutputFormat::Png => write_png(path, &mean, exposure),
         OutputFormat::Exr => {
-            let error = film.standard_error_image();
-            let mut all = Vec::with_capacity(layers.len() + 1);
-            all.extend(error.as_ref().map(|image| NamedLayer { name: "standard_error", image }));
-            all.extend_from_slice(layers);
-            write_exr(path, &mean, &all, info, film.passes())
+            let named = |name: String, image: Image| NamedLayer { name, image };
+            let with_error = |name: String, mean: Image, error: Option<Image>| {
+                let error = error.map(|image| named(format!("{name}.standard_error"), image));
+                std::iter::once(named(name, mean)).chain(error)
+            };
+            let own = film.standard_error_image().map(|image| named("standard_error".to_owned(), image));
+            let kept = film.layers().into_iter();
+            let kept = kept.flat_map(|layers| layers.layers().into_iter().map(move |layer| (layers, layer)));
+            let kept = kept.flat_map(|(layers, layer)| {
+                with_error(layer.to_string(), layers.mean_image(layer), layers.standard_error_image(layer))
+            });
+            let listing = film.layers().map(|layers| serde_json::to_string(&layers.listing())).transpose();
+            let listing = listing.map_err(|error| FileError::Write { path: path.to_owned(), source: error.into() })?;
+            let texts: Vec<_> = listing.map(|listing| ("layers", listing)).into_iter().collect();
+            write_exr(path, &mean, own.into_iter().chain(kept), info, film.passes(), &texts)
         }
     }
 }

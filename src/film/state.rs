@@ -297,9 +297,9 @@ mod tests {
         let mut film = film(0..2, None);
         save(&path, &film, &info()).unwrap();
         let mut bytes = fs::read(&path).unwrap();
-        let format = br#"\"format\":"#;
+        let format = br#"{\"format\":"#;
         let place = bytes.windows(format.len()).position(|part| part == format).unwrap() + format.len();
-        assert_eq!(bytes[place], b'1');
+        assert_eq!(bytes[place..place + 2], *b"1,");
         bytes[place] = b'7';
         fs::write(&path, bytes).unwrap();
         assert!(matches!(load(&path), Err(FileError::Version { found: 7, expected: 1, .. })));

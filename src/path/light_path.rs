@@ -23,6 +23,12 @@ impl Technique {
     pub fn all(edges: u32) -> impl Iterator<Item = Self> {
         (0..=edges + 1).map(move |s| Self { s, t: edges + 1 - s })
     }
+
+    /// Length of its paths in edges, k = s + t − 1.
+    #[must_use]
+    pub fn edges(self) -> u32 {
+        self.s.saturating_add(self.t).saturating_sub(1)
+    }
 }
 
 impl std::fmt::Display for Technique {

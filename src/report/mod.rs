@@ -4,6 +4,7 @@ pub mod agreement;
 mod error;
 pub mod metrics;
 pub mod npy;
+pub mod pyramid;
 pub mod rows;
 pub(crate) mod statistics;
 pub mod summary;

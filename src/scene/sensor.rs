@@ -218,7 +218,9 @@ impl Sensor {
     #[inline(always)]
     pub fn sample_direct(&self, from: &Vertex, u: [f64; 2]) -> Option<DirectSample> {
         match self.kind {
-            Kind::Pinhole => Some(DirectSample { vertex: self.vertex(self.position), density: Density::new(1.0) }),
+            Kind::Pinhole | Kind::Hemisphere => {
+                Some(DirectSample { vertex: self.vertex(self.position), density: Density::new(1.0) })
+            }
             Kind::ThinLens { radius, .. } => {
                 let DVec2 { x, y } = warp::concentric_disk(u);
                 let position = self.position + (self.right * x + self.up * y) * radius;
@@ -229,7 +231,6 @@ impl Sensor {
                 let vertex = self.vertex(from.position - self.forward * depth);
                 (depth > 0.0).then_some(DirectSample { vertex, density: self.direct_density(from, &vertex) })
             }
-            Kind::Hemisphere => Some(DirectSample { vertex: self.vertex(self.position), density: Density::new(1.0) }),
             Kind::Window => {
                 let at = (DVec2::from_array(u) * 2.0 - 1.0) * self.half_extent;
                 let vertex = self.vertex(self.position + self.right * at.x + self.up * at.y);

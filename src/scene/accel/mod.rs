@@ -192,9 +192,19 @@ impl Accel {
 
     /// Something lies strictly between two points of the primitives `on_a` and `on_b`. The same bits for both orders.
     #[must_use]
+    #[inline(always)]
     pub fn occluded(&self, a: DVec3, on_a: PrimitiveId, b: DVec3, on_b: PrimitiveId) -> bool {
         let swap = (b.x, b.y, b.z) < (a.x, a.y, a.z);
         let (from, to, on_from, on_to) = if swap { (b, a, on_b, on_a) } else { (a, b, on_a, on_b) };
+        self.occluded_in_order(from.x, from.y, from.z, to.x, to.y, to.z, [on_from, on_to])
+    }
+
+    /// Coordinates come in registers: points would come in memory, where their parts, just written one by one, are read two at
+    /// a time and wait for the cache.
+    #[allow(clippy::too_many_arguments, reason = "six of them are two points")]
+    #[inline(never)]
+    fn occluded_in_order(&self, ax: f64, ay: f64, az: f64, bx: f64, by: f64, bz: f64, on: [PrimitiveId; 2]) -> bool {
+        let (from, to, [on_from, on_to]) = (DVec3::new(ax, ay, az), DVec3::new(bx, by, bz), on);
         // Distances are in units of the segment: triangles need no length.
         let segment = Ray { origin: from, direction: to - from };
         let line = Line::new(&segment, self.extent);

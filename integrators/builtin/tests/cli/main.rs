@@ -4,6 +4,7 @@
 
 mod bad_input;
 mod interruption;
+mod layers;
 mod output;
 mod reproducibility;
 mod sample_files;
