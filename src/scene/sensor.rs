@@ -146,14 +146,17 @@ impl Sensor {
                 (self.vertex(self.position + offset), direction.normalize())
             }
             Kind::Orthographic => (self.vertex(self.position + in_image), self.forward),
-            Kind::Hemisphere => {
-                let unit = raster / size;
-                (self.vertex(self.position), self.to_world(warp::cosine_hemisphere(unit.to_array())))
-            }
-            Kind::Window => {
-                (self.vertex(self.position + in_image), self.to_world(warp::cosine_hemisphere([u[2], u[3]])))
-            }
-            Kind::Ray => (self.vertex(self.position), self.forward),
+            Kind::Hemisphere | Kind::Window | Kind::Ray => self.sample_meter(raster / size, in_image, [u[2], u[3]]),
+        }
+    }
+
+    /// Not inlined: renders have cameras.
+    #[inline(never)]
+    fn sample_meter(&self, unit: DVec2, in_image: DVec3, u: [f64; 2]) -> (Vertex, DVec3) {
+        match self.kind {
+            Kind::Hemisphere => (self.vertex(self.position), self.to_world(warp::cosine_hemisphere(unit.to_array()))),
+            Kind::Window => (self.vertex(self.position + in_image), self.to_world(warp::cosine_hemisphere(u))),
+            _ => (self.vertex(self.position), self.forward),
         }
     }
 
