@@ -118,6 +118,12 @@ pub struct AgreementRow {
 }
 
 impl AgreementRow {
+    /// Nothing can be said.
+    #[must_use]
+    pub fn is_undecided(&self) -> bool {
+        self.verdict.starts_with("undecided")
+    }
+
     /// The methods estimate different images.
     #[must_use]
     pub fn differs(&self) -> bool {

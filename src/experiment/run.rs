@@ -335,11 +335,22 @@ impl Session<'_> {
         if bases.is_empty() && !others.is_empty() {
             bases.push(others.remove(0));
         }
+        // Where the first one decides nothing, because its passes are heavy-tailed, the next may.
         for (i, &(base, base_pool)) in bases.iter().enumerate() {
-            for &(number, pool) in others.iter().chain(&bases[i + 1..]) {
+            let mut open = Vec::new();
+            let later = if i == 0 { &bases[1..] } else { &[] };
+            for &(number, pool) in others.iter().chain(later) {
                 let light = is_light(&methods[number]) || is_light(&methods[base]);
                 let names = (scene.as_str(), labels[number].as_str(), labels[base].as_str());
-                report.agreement.extend(agreement::between(names, pool, base_pool, light)?);
+                let row = agreement::between(names, pool, base_pool, light)?;
+                if row.as_ref().is_some_and(AgreementRow::is_undecided) && !is_base(number) {
+                    open.push((number, pool));
+                }
+                report.agreement.extend(row);
+            }
+            others = open;
+            if others.is_empty() {
+                break;
             }
         }
         if let Some(folder) = self.folder {
