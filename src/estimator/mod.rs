@@ -5,11 +5,12 @@ pub mod driver;
 mod heuristic;
 mod integrator;
 mod lengths;
+pub mod optimal;
 mod registry;
 mod settings;
 mod sink;
 
-pub use combination::Combination;
+pub use combination::{Combination, Draw};
 pub use driver::Control;
 pub use heuristic::Heuristic;
 pub use integrator::{Estimator, Integrator};
