@@ -11,6 +11,7 @@ mod replay;
 mod scene;
 mod session;
 mod verify;
+mod what_if;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -43,6 +44,8 @@ enum Command {
     Export(export::ExportArgs),
     List(list::ListArgs),
     Verify(verify::VerifyArgs),
+    #[command(name = "whatif")]
+    WhatIf(what_if::WhatIfArgs),
 }
 
 /// A command line that makes no sense.
@@ -78,6 +81,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
         Command::Verify(args) => verify::run(registry, args),
+        Command::WhatIf(args) => what_if::run(registry, args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

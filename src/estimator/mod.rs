@@ -9,6 +9,7 @@ pub mod optimal;
 mod registry;
 mod settings;
 mod sink;
+mod what_if;
 
 pub use combination::{Combination, Draw};
 pub use driver::Control;
@@ -18,3 +19,4 @@ pub use lengths::Lengths;
 pub use registry::{Build, Entry, Method, Registry, RegistryError, SamplerEntry};
 pub use settings::{Settings, SettingsError};
 pub use sink::{RecordedTerm, Recorder, Sink, Term};
+pub use what_if::{Reweighted, Weights, what_if};
