@@ -8,7 +8,7 @@ use clap::Args;
 use comfy_table::presets::NOTHING;
 use comfy_table::{CellAlignment, ContentArrangement, Table};
 
-use crate::estimator::{Reweighted, Registry, Weights, what_if};
+use crate::estimator::{Registry, Reweighted, Weights, what_if};
 
 use super::args::{self, MaxLength, SceneArgs};
 use super::scene::{self, LoadOptions};
@@ -34,7 +34,8 @@ pub(super) struct WhatIfArgs {
     /// A .gltf or .glb file, a folder with one, or the name of a folder in scenes/
     scene: PathBuf,
 
-    /// What draws the paths: names joined by +, settings in parentheses; `pathspace list` shows them
+    /// What draws the paths: names joined by +, settings in parentheses; `pathspace list` shows them. Settings of `mis` may
+    /// follow after a colon, such as :terms=apart
     #[arg(long, value_name = "NAME(setting=value …)+…")]
     samplers: String,
 

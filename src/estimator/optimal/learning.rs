@@ -71,9 +71,10 @@ impl Learning {
         let lengths = combination.max_length.min(LONGEST) as usize;
         let (number, length) = (pixels.len() * lengths, System::len_of(counts.len()));
         let (passes, systems) = match kept.split_first() {
-            Some((&passes, numbers)) if numbers.len() == number * length => {
-                (passes, numbers.chunks_exact(length).map(|numbers| System::from_numbers(counts.len(), numbers)).collect())
-            }
+            Some((&passes, numbers)) if numbers.len() == number * length => (
+                passes,
+                numbers.chunks_exact(length).map(|numbers| System::from_numbers(counts.len(), numbers)).collect(),
+            ),
             _ => (0.0, vec![System::new(counts.len()); number]),
         };
         Self { regions, pixels, counts, lengths, passes, systems }

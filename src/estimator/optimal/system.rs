@@ -52,16 +52,15 @@ impl System {
             return zero();
         }
         let place = |i: usize, k: usize| i * techniques - i * (i + 1) / 2 + k;
-        let mut matrix =
-            DMatrix::from_fn(techniques, techniques, |i, k| self.products[place(i.min(k), i.max(k))]);
+        let mut matrix = DMatrix::from_fn(techniques, techniques, |i, k| self.products[place(i.min(k), i.max(k))]);
         for i in 0..techniques {
             matrix[(i, i)] += 1.0 + (samples[i] - self.hits[i]).max(0.0);
         }
         // One technique may have a million samples where another has one: with ones on the diagonal that does no harm.
         let scale = DVector::from_fn(techniques, |i, _| 1.0 / matrix[(i, i)].sqrt());
-        let Some(factors) = Cholesky::new(DMatrix::from_fn(techniques, techniques, |i, k| {
-            scale[i] * matrix[(i, k)] * scale[k]
-        })) else {
+        let Some(factors) =
+            Cholesky::new(DMatrix::from_fn(techniques, techniques, |i, k| scale[i] * matrix[(i, k)] * scale[k]))
+        else {
             return zero();
         };
         let right = |channel: usize| DVector::from_fn(techniques, |i, _| scale[i] * self.values[i].to_array()[channel]);

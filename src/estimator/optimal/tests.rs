@@ -16,11 +16,8 @@ const UNIFORM: Technique = Technique { count: 2, density: |_| 1.0, draw: Some };
 const LINEAR: Technique = Technique { count: 1, density: |x| 2.0 * x, draw: |u| Some(u.sqrt()) };
 const FALLING: Technique = Technique { count: 3, density: |x| 2.0 * (1.0 - x), draw: |u| Some(1.0 - (1.0 - u).sqrt()) };
 /// 1.2 on \[0, ½): four of ten samples fail.
-const FAILING: Technique = Technique {
-    count: 4,
-    density: |x| if x < 0.5 { 1.2 } else { 0.0 },
-    draw: |u| (u < 0.6).then_some(u / 1.2),
-};
+const FAILING: Technique =
+    Technique { count: 4, density: |x| if x < 0.5 { 1.2 } else { 0.0 }, draw: |u| (u < 0.6).then_some(u / 1.2) };
 /// 0.3 x^-½ / 2: most samples fail.
 const RARE: Technique =
     Technique { count: 50, density: |x| 0.15 / x.sqrt(), draw: |u| (u < 0.3).then_some((u / 0.3) * (u / 0.3)) };
@@ -182,7 +179,11 @@ fn coefficients_from_the_same_samples_are_consistent() {
         let values: Vec<f64> = (0..2000).map(|_| group(&mut random)).collect();
         let [mean, error, variance, spread] = statistics(&values);
         let name = problem.name;
-        println!("{name}: bias {} ± {error} of {integral}; variance {} of least", mean - integral, variance * 200.0 / least);
+        println!(
+            "{name}: bias {} ± {error} of {integral}; variance {} of least",
+            mean - integral,
+            variance * 200.0 / least
+        );
         assert!(4.0 * error < 0.01 * integral, "{name}: ± {error}");
         assert!((mean - integral).abs() < 0.02 * integral, "{name}: {mean} ± {error}, expected {integral}");
         assert!((variance * 200.0 / least - 1.0).abs() < 0.15 + 4.0 * spread / variance, "{name}: {variance}");

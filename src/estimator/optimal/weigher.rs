@@ -47,7 +47,13 @@ pub(in super::super) struct Weigher {
 
 impl Weigher {
     /// Goes on from what a film has learnt; from nothing where that is of another kind.
-    pub(in super::super) fn new(combination: &Combination, scene: &Scene, form: Form, alpha: Alpha, kept: &[f64]) -> Self {
+    pub(in super::super) fn new(
+        combination: &Combination,
+        scene: &Scene,
+        form: Form,
+        alpha: Alpha,
+        kept: &[f64],
+    ) -> Self {
         let learning = Learning::new(combination, scene, alpha, kept);
         let size = scene.sensor().film();
         let pixels = size.width as usize * size.height as usize;
