@@ -106,7 +106,7 @@ fn the_bits_depend_on_nothing_but_the_seed() {
 }
 
 fn rayon_pool(threads: usize) -> rayon::ThreadPool {
-    rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap()
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads")
 }
 
 /// The fourth pass is the sum of its replayed terms, of which some are negative and are not counted as impossible.

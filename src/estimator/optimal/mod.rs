@@ -61,7 +61,7 @@
 //! # What it is worth
 //!
 //! Variance of the balance heuristic over that of optimal weights, from the same samples (`pathspace whatif`, 128², 16 passes,
-//! at most 6 edges; three seeds more agree to 0.002; time per pass + 4 %). W is `walks(s=0)+walks(s=1)`, V is
+//! at most 6 edges; three seeds more agree to 0.002; time per pass about + 5 % in one run). W is `walks(s=0)+walks(s=1)`, V is
 //! `W+walks(s=2)+walks(t=1)`. The first pass, under the balance heuristic, counts in the progressive columns.
 //!
 //! | scene | samplers | progressive image | block | direct image | block |

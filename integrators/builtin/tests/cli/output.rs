@@ -73,6 +73,29 @@ fn list_shows_every_name_with_one_line() {
 }
 
 #[test]
+fn whatif_has_a_line_for_each_way_to_weigh() {
+    let text = succeed(&[
+        "whatif",
+        "enclosure",
+        "--samplers",
+        "walks(s=0)+walks(s=1):terms=apart",
+        "--passes",
+        "2",
+        "--film",
+        "16x16",
+        "--max-length",
+        "2",
+    ]);
+    for name in ["balance", "power β=2", "maximum", "cutoff α=0.1", "optimal_progressive block", "optimal_direct image"]
+    {
+        assert_eq!(text.lines().filter(|line| line.starts_with(&format!(" {name} "))).count(), 1, "{name}: {text}");
+    }
+    let balance = text.lines().find(|line| line.contains("balance")).unwrap();
+    assert!(balance.trim_end().ends_with("1.000"), "{text}");
+    fail(&["whatif", "enclosure", "--samplers", "wlks"], 2, &["wlks", "walks"]);
+}
+
+#[test]
 fn export_writes_the_scene_and_how_to_render_it() {
     let folder = Folder::new();
     let text = succeed(&["export", "veach_mis", &folder.path("m"), "--max-length", "5", "--film", "30x20"]);
