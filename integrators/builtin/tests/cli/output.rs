@@ -6,7 +6,7 @@ use std::process::Stdio;
 
 use pathspace::film::{exr, state};
 
-use crate::support::{Folder, pathspace, run, stderr, stdout, succeed};
+use crate::support::{Folder, fail, pathspace, run, stderr, stdout, succeed};
 
 /// Every path of one edge carries L_e, of two L_e ρ, and so on: the enclosure's radiance tells the longest path.
 #[test]
