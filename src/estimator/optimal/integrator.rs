@@ -15,6 +15,9 @@ use super::share::{Share, draw_pass};
 use super::weigher::{Form, Weigher};
 
 /// A [`Combination`] whose samplers share a path by optimal weights instead of its heuristic.
+///
+/// It declares no definition of its own, for its weights depend on the passes before; and as a replay draws those anew, the
+/// checks of [`testing::verify`](crate::testing::verify), which replay every sample, are too slow for it.
 #[derive(Clone, Debug)]
 pub struct Optimal {
     /// What is drawn; its heuristic counts for nothing.
