@@ -4,6 +4,7 @@ use std::io::{self, Write};
 
 use clap::Args;
 
+use crate::estimator::optimal::Form;
 use crate::estimator::{Heuristic, Lengths, Registry};
 
 use super::Outcome;
@@ -27,11 +28,12 @@ pub(super) fn run(registry: &Registry) -> anyhow::Result<Outcome> {
     if !samplers.is_empty() {
         samplers.push(("mis", "several at once: 'mis:samplers=walks(s=0)+walks(s=1)+direct(by=cosine)'"));
     }
-    let sections: [(&str, &[(&str, &str)]); 5] = [
+    let sections: [(&str, &[(&str, &str)]); 6] = [
         ("integrators (--integrator NAME:setting=value…)", &integrators),
         ("samplers, integrators by the definition of f and p: general and slow", &samplers),
         ("lengths of samplers' paths (setting terms=NAME)", &Lengths::NAMES),
         ("heuristics (setting heuristic=NAME)", &Heuristic::NAMES),
+        ("optimal weights (setting weights=NAME of mis; alpha=block or image shares coefficients)", &Form::NAMES),
         ("metrics (columns of compare)", &METRICS),
     ];
     let width = sections.iter().flat_map(|(_, rows)| rows.iter()).map(|(name, _)| name.len()).max().unwrap_or(0);

@@ -14,6 +14,7 @@ mod replay;
 mod scene;
 mod session;
 mod verify;
+mod what_if;
 
 use std::io::{self, Write};
 use std::process::ExitCode;
@@ -48,6 +49,8 @@ enum Command {
     List(list::ListArgs),
     Verify(verify::VerifyArgs),
     Measure(measure::MeasureArgs),
+    #[command(name = "whatif")]
+    WhatIf(what_if::WhatIfArgs),
 }
 
 /// A command line that makes no sense.
@@ -85,6 +88,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::List(_) => list::run(registry),
         Command::Verify(args) => verify::run(registry, args),
         Command::Measure(args) => measure::run(registry, args),
+        Command::WhatIf(args) => what_if::run(registry, args),
     };
     match result {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use crate::path::Path;
+use crate::path::{Contribution, Path};
 use crate::sampler::{PathSampler, Random, Tracer};
 use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
@@ -81,30 +81,14 @@ impl Combination {
         f.map(|f| (Wide::new(f * scale) / densities[i]).to_f64())
     }
 
-    fn give<S: Sink>(&self, tracer: &mut Tracer<'_>, i: usize, path: Path, sink: &mut S) {
-        let scene = tracer.scene();
-        let Some(contribution) = scene.contribution(&path).filter(|c| !c.value.is_black()) else { return };
-        if !path.vertices().windows(2).all(|edge| tracer.visible(&edge[0], &edge[1])) {
-            return;
-        }
-        let edges = path.edges() as u32;
-        let densities = self.densities(scene, &path);
-        let weight = self.weight(&densities, i);
-        let value = self.estimate(contribution.value, edges, &densities, i);
-        let technique = self.samplers[i].technique(edges);
-        sink.add(Term { pixel: contribution.pixel, value, technique, weight, sampler: Some(i as u32) }, || Some(path));
-    }
-}
-
-impl Estimator for Combination {
-    type Scratch = ();
-
-    fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
+    /// Draws one sample of every sampler for `pixel` and gives the paths that light takes: seen by a pixel, neither black nor
+    /// hidden.
+    pub fn draw(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, take: &mut dyn FnMut(Draw)) {
         let lengths = self.lengths.draw(self.max_length, random);
         let mut draw = |i: usize, lengths: RangeInclusive<u32>, random: &mut Random| {
             let mut paths = Vec::new();
             self.samplers[i].sample(lengths, tracer, random, pixel, &mut |path| paths.push(path));
-            paths.into_iter().for_each(|path| self.give(tracer, i, path, sink));
+            paths.into_iter().filter_map(|path| self.seen(tracer, i, path)).for_each(&mut *take);
         };
         for i in 0..self.samplers.len() {
             if self.lengths.apart() {
@@ -113,6 +97,42 @@ impl Estimator for Combination {
                 draw(i, lengths.clone(), random);
             }
         }
+    }
+
+    fn seen(&self, tracer: &mut Tracer<'_>, sampler: usize, path: Path) -> Option<Draw> {
+        let scene = tracer.scene();
+        let contribution = scene.contribution(&path).filter(|c| !c.value.is_black())?;
+        let visible = path.vertices().windows(2).all(|edge| tracer.visible(&edge[0], &edge[1]));
+        visible.then(|| Draw { sampler, densities: self.densities(scene, &path), path, contribution })
+    }
+}
+
+/// A path that a sampler of a [`Combination`] has drawn, with all that a weight can depend on.
+#[derive(Clone, Debug)]
+pub struct Draw {
+    /// The number of the sampler.
+    pub sampler: usize,
+    /// The path x̄.
+    pub path: Path,
+    /// The pixel that sees it and f(x̄), not black.
+    pub contribution: Contribution,
+    /// `n_j p_j(x̄)` of all samplers.
+    pub densities: Vec<Wide>,
+}
+
+impl Estimator for Combination {
+    type Scratch = ();
+
+    fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
+        self.draw(tracer, random, pixel, &mut |draw| {
+            let Draw { sampler: i, path, contribution, densities } = draw;
+            let edges = path.edges() as u32;
+            let weight = self.weight(&densities, i);
+            let value = self.estimate(contribution.value, edges, &densities, i);
+            let technique = self.samplers[i].technique(edges);
+            let term = Term { pixel: contribution.pixel, value, technique, weight, sampler: Some(i as u32) };
+            sink.add(term, || Some(path));
+        });
     }
 
     fn definition(&self, _longest: u32) -> Option<Combination> {

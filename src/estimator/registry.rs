@@ -9,6 +9,7 @@ use crate::sampler::PathSampler;
 
 use super::combination::Combination;
 use super::integrator::Integrator;
+use super::optimal::{self, Optimal};
 use super::settings::{Settings, SettingsError};
 
 /// Makes an integrator of its settings. It reads all of them, whichever it then needs.
@@ -143,11 +144,17 @@ impl Registry {
         if let Some(entry) = self.entries.iter().find(|entry| entry.name == name) {
             return (entry.build)(settings);
         }
-        let samplers = match self.samplers.iter().find(|entry| entry.name == name) {
-            Some(entry) => vec![(entry.build)(settings)?],
-            None => self.combined(settings)?,
-        };
-        Ok(Box::new(Combination::new(samplers, settings)?))
+        if let Some(entry) = self.samplers.iter().find(|entry| entry.name == name) {
+            let sampler = (entry.build)(settings)?;
+            return Ok(Box::new(Combination::new(vec![sampler], settings)?));
+        }
+        let samplers = self.combined(settings)?;
+        let optimal = optimal::from_settings(settings)?;
+        let combination = Combination::new(samplers, settings)?;
+        Ok(match optimal {
+            None => Box::new(combination),
+            Some((form, alpha)) => Box::new(Optimal { combination, form, alpha }),
+        })
     }
 
     /// The samplers of `mis`: `samplers=walks(s=1)+area`, each with its own settings in parentheses, separated by spaces.

@@ -26,6 +26,8 @@ pub struct Film {
     pub(super) passes: u64,
     /// What the render has counted so far.
     pub counters: Counters,
+    /// What an integrator has learnt from the passes, in an order of its own: it goes on from there. Empty for most.
+    pub learnt: Vec<f64>,
 }
 
 impl Film {
@@ -46,6 +48,7 @@ impl Film {
             layers: None,
             passes: 0,
             counters: Counters::default(),
+            learnt: Vec::new(),
         })
     }
 
@@ -160,7 +163,8 @@ impl Film {
         Ok(())
     }
 
-    /// Adds the passes of another render of the same size and mask, with another seed or other samples.
+    /// Adds the passes of another render of the same size and mask, with another seed or other samples. What either has
+    /// learnt is forgotten: it is about its own passes.
     ///
     /// # Errors
     /// When size or mask differ.
@@ -187,6 +191,7 @@ impl Film {
         }
         self.passes += other.passes;
         self.counters.merge(&other.counters);
+        self.learnt.clear();
         Ok(())
     }
 

@@ -8,6 +8,7 @@
 //! | `block_moments` | rows × columns × 3 × 4 | mean, second, third, largest of each block and channel |
 //! | `image_moments` | 4 × 4 | the same of the whole image: red, green, blue, luminance |
 //! | `mask` (u8, optional) | height × width | 1 where a pixel counts in its block |
+//! | `learnt` (optional) | any number | what the integrator has learnt, in an order of its own |
 //!
 //! The JSON text stands under `pathspace` in the metadata: format, size, passes, counters, [`RenderInfo`] and a checksum
 //! of all tensors (64-bit FNV-1a, Fowler, Noll and Vo). Sums that are not finite are what the render produced and are
@@ -147,6 +148,9 @@ fn tensors_of(film: &Film) -> Vec<Tensor> {
         let data = mask.iter().map(|&counts| u8::from(counts)).collect();
         tensors.push(Tensor { name: "mask", dtype: Dtype::U8, shape: vec![height, width], data });
     }
+    if !film.learnt.is_empty() {
+        tensors.push(floats("learnt", &[film.learnt.len()], &mut film.learnt.iter().copied()));
+    }
     tensors
 }
 
@@ -164,7 +168,12 @@ fn film_from(header: &Header, tensors: &SafeTensors<'_>) -> Result<Film, String>
     let blocks = bytes_of(tensors, "block_moments", Dtype::F64, &[grid.rows(), grid.columns(), 3, 4])?;
     let image = bytes_of(tensors, "image_moments", Dtype::F64, &[4, 4])?;
     let mask = tensors.tensor("mask").ok();
-    let all = [sum, squares, blocks, image].into_iter().chain(mask.as_ref().map(TensorView::data));
+    let learnt = tensors.tensor("learnt").ok();
+    if learnt.as_ref().is_some_and(|learnt| learnt.dtype() != Dtype::F64) {
+        return Err("'learnt' holds no numbers of 64 bits".to_owned());
+    }
+    let optional = [&mask, &learnt].into_iter().flatten().map(TensorView::data);
+    let all = [sum, squares, blocks, image].into_iter().chain(optional);
     if checksum(all) != header.checksum {
         return Err("its checksum is wrong: the file was damaged after it was written".to_owned());
     }
@@ -182,6 +191,7 @@ fn film_from(header: &Header, tensors: &SafeTensors<'_>) -> Result<Film, String>
     fill_moments(&mut film.statistics.image, image);
     film.passes = header.passes;
     film.counters = header.counters.clone();
+    film.learnt = learnt.iter().flat_map(|learnt| floats_of(learnt.data())).collect();
     Ok(film)
 }
 
@@ -238,6 +248,7 @@ mod tests {
         let mut film = Film::new(20, 18, mask).unwrap();
         passes.for_each(|index| film.add_pass(&pass(index)).unwrap());
         film.counters.rays = u64::MAX;
+        film.learnt = vec![0.5, f64::MIN_POSITIVE, -3e300];
         film.counters.keep_for_replay(ReplayKey { seed: u64::MAX, sample: 3, pixel: (19, 17) });
         film
     }

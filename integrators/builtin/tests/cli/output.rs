@@ -6,7 +6,7 @@ use std::process::Stdio;
 
 use pathspace::film::{exr, state};
 
-use crate::support::{Folder, pathspace, run, stderr, stdout, succeed};
+use crate::support::{Folder, fail, pathspace, run, stderr, stdout, succeed};
 
 /// Every path of one edge carries L_e, of two L_e ρ, and so on: the enclosure's radiance tells the longest path.
 #[test]
@@ -70,6 +70,29 @@ fn list_shows_every_name_with_one_line() {
     for name in ["path ", "light ", "bdpt ", "path_bsdf ", "balance ", "cutoff ", "relmse "] {
         assert_eq!(text.lines().filter(|line| line.starts_with(&format!("  {name}"))).count(), 1, "{name}: {text}");
     }
+}
+
+#[test]
+fn whatif_has_a_line_for_each_way_to_weigh() {
+    let text = succeed(&[
+        "whatif",
+        "enclosure",
+        "--samplers",
+        "walks(s=0)+walks(s=1):terms=apart",
+        "--passes",
+        "2",
+        "--film",
+        "16x16",
+        "--max-length",
+        "2",
+    ]);
+    for name in ["balance", "power β=2", "maximum", "cutoff α=0.1", "optimal_progressive block", "optimal_direct image"]
+    {
+        assert_eq!(text.lines().filter(|line| line.starts_with(&format!(" {name} "))).count(), 1, "{name}: {text}");
+    }
+    let balance = text.lines().find(|line| line.contains("balance")).unwrap();
+    assert!(balance.trim_end().ends_with("1.000"), "{text}");
+    fail(&["whatif", "enclosure", "--samplers", "wlks"], 2, &["wlks", "walks"]);
 }
 
 #[test]
