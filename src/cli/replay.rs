@@ -24,7 +24,7 @@ pub(super) fn run(scene: &Scene, method: &Method, key: ReplayKey) -> anyhow::Res
     let mut out = io::stdout().lock();
     writeln!(out, "{}, {}, sample {key}: {} terms", scene.name(), method.label, terms.len())?;
     for term in &terms {
-        write!(out, "{}", term.in_world(scene.centre()))?;
+        write!(out, "{}", term.in_world(scene))?;
     }
     out.flush()?;
     Ok(Outcome::Done)

@@ -6,6 +6,7 @@ use crate::sampler::{Random, Tracer};
 use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
 
+use super::definition::Definition;
 use super::driver::{self, Control};
 use super::sink::{RecordedTerm, Recorder, Sink};
 
@@ -33,6 +34,12 @@ pub trait Estimator: Send + Sync {
     fn supports(&self, _scene: &Scene) -> Result<(), String> {
         Ok(())
     }
+
+    /// Its techniques with everything that their weights depend on, so that all densities of a path can be told. `None`
+    /// where it is more than a set of bidirectional techniques.
+    fn definition<'a>(&self, _scene: &'a Scene) -> Option<Definition<'a>> {
+        None
+    }
 }
 
 /// Anything that fills a film.
@@ -48,6 +55,11 @@ pub trait Integrator: Send + Sync {
     /// # Errors
     /// One sentence.
     fn supports(&self, scene: &Scene) -> Result<(), String>;
+
+    /// See [`Estimator::definition`].
+    fn definition<'a>(&self, _scene: &'a Scene) -> Option<Definition<'a>> {
+        None
+    }
 }
 
 impl<E: Estimator> Integrator for E {
@@ -65,5 +77,9 @@ impl<E: Estimator> Integrator for E {
 
     fn supports(&self, scene: &Scene) -> Result<(), String> {
         Estimator::supports(self, scene)
+    }
+
+    fn definition<'a>(&self, scene: &'a Scene) -> Option<Definition<'a>> {
+        Estimator::definition(self, scene)
     }
 }

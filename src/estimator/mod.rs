@@ -1,5 +1,6 @@
 //! From samples to images: weights, threads, seeds.
 
+mod definition;
 pub mod driver;
 mod heuristic;
 mod integrator;
@@ -7,6 +8,7 @@ mod registry;
 mod settings;
 mod sink;
 
+pub use definition::Definition;
 pub use driver::Control;
 pub use heuristic::Heuristic;
 pub use integrator::{Estimator, Integrator};

@@ -4,6 +4,7 @@ pub mod agreement;
 mod error;
 pub mod metrics;
 pub mod npy;
+pub mod paths;
 pub mod rows;
 mod statistics;
 pub mod summary;

@@ -1,23 +1,11 @@
 //! The proof of a fast integrator: every term it gives equals what the definition says of its path.
 
-use crate::estimator::{Estimator, Heuristic, RecordedTerm, Recorder};
-use crate::path::{Technique, WalkRules};
+use crate::estimator::{Estimator, RecordedTerm, Recorder};
 use crate::sampler::Tracer;
-use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
 use crate::wide::Wide;
 
-/// A set of bidirectional techniques with everything that their weights depend on.
-pub struct Definition<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
-    /// How the walks end.
-    pub rules: WalkRules,
-    /// How techniques share a path.
-    pub heuristic: Heuristic,
-    /// Which techniques take part, of those for paths with this many edges.
-    pub takes_part: fn(Technique) -> bool,
-}
+pub use crate::estimator::Definition;
 
 /// What comparing a term with the definition gave.
 #[derive(Clone, Debug)]
@@ -35,37 +23,6 @@ pub struct Comparison {
 }
 
 impl Definition<'_> {
-    /// `n_i`, the number of samples of a technique that serve a pixel in one pass: light walks serve all of them.
-    #[must_use]
-    pub fn count(&self, technique: Technique) -> f64 {
-        let film = self.scene.sensor().film();
-        if technique.t <= 1 { f64::from(film.width) * f64::from(film.height) } else { 1.0 }
-    }
-
-    /// `n_i p_i(x̄)` of all techniques that take part, in order of s; zero for the others.
-    #[must_use]
-    pub fn densities(&self, path: &crate::path::Path) -> Vec<Wide> {
-        Technique::all(path.edges() as u32)
-            .map(|technique| {
-                if (self.takes_part)(technique) {
-                    self.scene.path_density(path, technique, &self.rules) * self.count(technique)
-                } else {
-                    Wide::ZERO
-                }
-            })
-            .collect()
-    }
-
-    /// `w_i(x̄)` for the technique number i, given all `n_j p_j(x̄)`.
-    #[must_use]
-    pub fn weight(&self, densities: &[Wide], i: usize) -> f64 {
-        if densities[i].is_zero() {
-            return 0.0;
-        }
-        let ratio = |j: usize| (densities[j] / densities[i]).to_f64();
-        self.heuristic.weight((0..i).map(ratio), (i + 1..densities.len()).map(ratio))
-    }
-
     /// Draws `passes` samples in every pixel and compares each term with the definition.
     #[must_use]
     pub fn compare<E: Estimator>(&self, estimator: &E, seed: u64, passes: u64) -> Comparison {

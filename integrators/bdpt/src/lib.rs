@@ -9,9 +9,10 @@ mod connect;
 mod walk;
 mod weight;
 
-use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink};
-use pathspace::path::Roulette;
+use pathspace::estimator::{Definition, Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink};
+use pathspace::path::{Roulette, WalkRules};
 use pathspace::sampler::{Random, Tracer};
+use pathspace::scene::Scene;
 use pathspace::scene::sensor::Pixel;
 
 use connect::Connector;
@@ -114,5 +115,10 @@ impl Estimator for Bidirectional {
         for s in 2..=connector.y.len() + 1 {
             connector.hit_sensor(s);
         }
+    }
+
+    fn definition<'a>(&self, scene: &'a Scene) -> Option<Definition<'a>> {
+        let rules = WalkRules { sensor: self.roulette, emitter: self.roulette };
+        Some(Definition { scene, rules, heuristic: self.heuristic, takes_part: |_| true })
     }
 }

@@ -7,9 +7,9 @@
 use std::iter;
 
 use glam::DVec3;
-use pathspace::estimator::{Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
+use pathspace::estimator::{Definition, Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
 use pathspace::measure::{Area, Density, SolidAngle};
-use pathspace::path::{Edge, Path, Roulette, Technique, Vertex};
+use pathspace::path::{Edge, Path, Roulette, Technique, Vertex, WalkRules};
 use pathspace::sampler::{Random, Tracer};
 use pathspace::scene::bsdf::{LobeDensity, Side};
 use pathspace::scene::sensor::Pixel;
@@ -115,6 +115,11 @@ impl Estimator for LightTracer {
             };
             departure = Departure { from: vertex, direction, density };
         }
+    }
+
+    fn definition<'a>(&self, scene: &'a Scene) -> Option<Definition<'a>> {
+        let rules = WalkRules { sensor: self.roulette, emitter: self.roulette };
+        Some(Definition { scene, rules, heuristic: self.heuristic, takes_part: |technique| technique.t <= 1 })
     }
 }
 

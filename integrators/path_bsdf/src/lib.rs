@@ -3,8 +3,8 @@
 //! A path of k edges is drawn by the walk from the sensor that ends on an emitter by chance, technique s = 0. Lights without
 //! a surface are never met.
 
-use pathspace::estimator::{Entry, Estimator, Integrator, Settings, SettingsError, Sink, Term};
-use pathspace::path::{Path, Roulette, Technique};
+use pathspace::estimator::{Definition, Entry, Estimator, Heuristic, Integrator, Settings, SettingsError, Sink, Term};
+use pathspace::path::{Path, Roulette, Technique, WalkRules};
 use pathspace::sampler::{Random, Tracer};
 use pathspace::scene::Scene;
 use pathspace::scene::bsdf::Side;
@@ -85,5 +85,10 @@ impl Estimator for BsdfPathTracer {
             Err("the scene has no emitter that a walk can meet, only point, spot or directional lights: use `path`"
                 .into())
         }
+    }
+
+    fn definition<'a>(&self, scene: &'a Scene) -> Option<Definition<'a>> {
+        let rules = WalkRules { sensor: self.roulette, emitter: self.roulette };
+        Some(Definition { scene, rules, heuristic: Heuristic::Balance, takes_part: |technique| technique.s == 0 })
     }
 }
