@@ -5,6 +5,8 @@ mod compare;
 mod export;
 mod interrupt;
 mod list;
+mod method;
+mod paths;
 mod progress;
 mod render;
 mod replay;
@@ -39,6 +41,7 @@ struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Compare(Box<compare::CompareArgs>),
+    Paths(Box<paths::PathsArgs>),
     Export(export::ExportArgs),
     List(list::ListArgs),
 }
@@ -73,6 +76,7 @@ pub fn main(registry: &Registry) -> ExitCode {
     let result = match &cli.command {
         Command::Render(args) => render::run(registry, args),
         Command::Compare(args) => compare::run(registry, args),
+        Command::Paths(args) => paths::run(registry, args),
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
     };

@@ -22,7 +22,9 @@ pub struct PathExpression {
 #[derive(Clone, Debug, Error, PartialEq, Eq)]
 pub enum ExpressionError {
     /// It breaks off, or something in it has no meaning.
-    #[error("'{expression}', character {place}: {what}; letters are L D G S E, operators . | ( ) * + ? [DS] [^S] {{n,m}}")]
+    #[error(
+        "'{expression}', character {place}: {what}; letters are L D G S E, operators . | ( ) * + ? [DS] [^S] {{n,m}}"
+    )]
     Syntax {
         /// The text.
         expression: String,

@@ -15,4 +15,5 @@ pub use error::ReportError;
 pub use metrics::Errors;
 pub use rows::Row;
 pub use summary::{SummaryRow, summarise};
+pub(crate) use table::cut;
 pub use table::{TABLE_WIDTH, tables};

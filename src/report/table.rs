@@ -96,7 +96,7 @@ pub(super) fn number(value: f64) -> String {
     }
 }
 
-pub(super) fn cut(text: &str, width: usize) -> String {
+pub(crate) fn cut(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.to_owned();
     }

@@ -5,5 +5,6 @@ mod agreement;
 mod definition;
 mod experiment;
 mod known_answers;
+mod path_log;
 mod range;
 mod visibility;

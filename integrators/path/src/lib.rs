@@ -110,7 +110,12 @@ impl Estimator for PathTracer {
 
     fn definition<'a>(&self, scene: &'a Scene) -> Option<Definition<'a>> {
         let rules = WalkRules { sensor: self.roulette, emitter: self.roulette };
-        Some(Definition { scene, rules, heuristic: self.heuristic, takes_part: |technique| technique.s <= 1 && technique.t >= 2 })
+        Some(Definition {
+            scene,
+            rules,
+            heuristic: self.heuristic,
+            takes_part: |technique| technique.s <= 1 && technique.t >= 2,
+        })
     }
 }
 

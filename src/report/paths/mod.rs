@@ -44,5 +44,5 @@ mod table;
 
 pub use ply::PlyWriter;
 pub use record::{DensityRecord, DiracRecord, NamedId, PathRecord, RouletteRecord, TechniqueRecord, VertexRecord};
-pub use record::{SCHEMA, Origin};
+pub use record::{Origin, SCHEMA};
 pub use table::PathTable;

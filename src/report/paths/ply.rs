@@ -31,8 +31,11 @@ struct PlyPath {
 }
 
 impl PlyWriter {
-    /// Adds a path.
+    /// Adds a path; what has no edge is left out.
     pub fn push(&mut self, record: &PathRecord) {
+        if record.vertices.len() < 2 {
+            return;
+        }
         self.vertices.extend(record.vertices.iter().map(|vertex| PlyVertex {
             position: vertex.position,
             normal: vertex.normal.unwrap_or_default(),
@@ -49,7 +52,10 @@ impl PlyWriter {
     pub fn write(&self, out: &mut impl Write) -> io::Result<()> {
         let edges = self.vertices.len() - self.paths.len();
         writeln!(out, "ply\nformat ascii 1.0")?;
-        writeln!(out, "comment light paths by pathspace; colours of vertices: L yellow, D grey, G green, S blue, E red")?;
+        writeln!(
+            out,
+            "comment light paths by pathspace; colours of vertices: L yellow, D grey, G green, S blue, E red"
+        )?;
         writeln!(out, "comment colours of edges: what the path adds to its pixel, the brightest as white")?;
         writeln!(out, "element vertex {}", self.vertices.len())?;
         for name in ["x", "y", "z", "nx", "ny", "nz"] {

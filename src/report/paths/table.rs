@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use crate::report::TABLE_WIDTH;
-use crate::report::table::{cut, number};
+use crate::report::table::number;
+use crate::report::{TABLE_WIDTH, cut};
 use crate::spectrum::Rgb;
 
 use super::{DensityRecord, PathRecord, VertexRecord};
@@ -36,7 +36,8 @@ impl PathTable {
     /// What the columns mean, in sentences.
     #[must_use]
     pub fn legend(&self) -> String {
-        let mut text = "adds: luminance of w f/(n p) [W/m²/sr]; f: luminance of f(x̄); p: density in area\n".to_owned();
+        let mut text =
+            "adds: luminance of w f/(n p) [W/m²/sr]; f: luminance of f(x̄); p: density in area; →: seen by\n".to_owned();
         if self.vertices {
             text += "p_emitter, p_sensor: density of a vertex in walks from either end [1/m²]; δ: Dirac\n";
         }
@@ -47,7 +48,8 @@ impl PathTable {
     #[must_use]
     pub fn lines(&self, record: &PathRecord) -> String {
         let [x, y] = record.pixel;
-        let adds = record.contribution.iter().all(Option::is_some).then(|| record.contribution.map(Option::unwrap_or_default));
+        let adds =
+            record.contribution.iter().all(Option::is_some).then(|| record.contribution.map(Option::unwrap_or_default));
         let start = format!(
             "{:>9} {:>6} {:>5} {:>8} {:>9} {:>9} {:>8}  ",
             format!("{x},{y}"),
@@ -58,8 +60,13 @@ impl PathTable {
             luminance(record.f),
             record.ln_p.map_or("-".to_owned(), |ln_p| format!("{ln_p:.2}")),
         );
-        let left = TABLE_WIDTH.saturating_sub(start.chars().count()).max(8);
-        let mut text = format!("{start}{}\n", cut(&record.notation, left));
+        let elsewhere = if record.seen_by == record.pixel {
+            String::new()
+        } else {
+            format!(" →{},{}", record.seen_by[0], record.seen_by[1])
+        };
+        let left = TABLE_WIDTH.saturating_sub(start.chars().count() + elsewhere.chars().count()).max(4);
+        let mut text = format!("{start}{}{elsewhere}\n", cut(&record.notation, left));
         if self.vertices {
             for (i, vertex) in record.vertices.iter().enumerate() {
                 text += &vertex_line(i, vertex);

@@ -5,6 +5,7 @@
 mod bad_input;
 mod interruption;
 mod output;
+mod paths;
 mod reproducibility;
 mod sample_files;
 mod support;
