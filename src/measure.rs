@@ -114,6 +114,14 @@ impl Jacobian<SolidAngle, Area> {
     }
 }
 
+impl Jacobian<Area, SolidAngle> {
+    /// `dA(y) / dσ_x = ‖x−y‖² / |cos θ_y|`.
+    #[must_use]
+    pub fn area_to_solid_angle(abs_cos_y: f64, distance_squared: f64) -> Self {
+        Self::new(distance_squared / abs_cos_y)
+    }
+}
+
 impl Jacobian<ProjectedSolidAngle, Area> {
     /// `dσ⊥_x / dA(y) = |cos θ_x cos θ_y| / ‖x−y‖²`, the geometry factor without its visibility.
     #[must_use]

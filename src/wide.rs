@@ -36,6 +36,13 @@ impl Wide {
         libm::scalbn(self.mantissa, self.exponent.clamp(-3000, 3000) as i32)
     }
 
+    /// As a plain number with all its digits; `None` where it is beyond the normal range of `f64`, or no number.
+    #[must_use]
+    pub fn to_normal(self) -> Option<f64> {
+        let value = self.to_f64();
+        (self.is_zero() || value.is_normal()).then_some(value)
+    }
+
     /// Natural logarithm; −∞ for zero.
     #[must_use]
     pub fn ln(self) -> f64 {
@@ -130,6 +137,7 @@ mod tests {
         let tiny = (0..1000).fold(Wide::ONE, |p, i| p * (1e-9 + f64::from(i) * 1e-12));
         let back = (0..1000).rev().fold(tiny, |p, i| p / Wide::new(1e-9 + f64::from(i) * 1e-12));
         assert!((back.to_f64() - 1.0).abs() < 1e-12);
+        assert!(tiny.to_normal().is_none() && Wide::ZERO.to_normal() == Some(0.0));
         assert!(tiny.ln() < -20000.0 && tiny < Wide::new(f64::MIN_POSITIVE) && tiny > Wide::ZERO);
     }
 

@@ -1,9 +1,14 @@
 //! Options that several commands share, and how their values are written.
 
 use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+use crate::scene::LightSelection;
 use crate::scene::description::FilmSize;
+use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
+
+use super::UsageError;
 
 /// How to take a scene.
 #[derive(Clone, Debug, Default, Args)]
@@ -42,6 +47,34 @@ pub(crate) fn max_length(text: &str) -> Result<MaxLength, String> {
             _ => Err("expected a whole number of edges from 1 on, or none for unlimited".into()),
         },
     }
+}
+
+/// `power` or `uniform`.
+pub(crate) fn light_selection() -> impl TypedValueParser<Value = LightSelection> {
+    PossibleValuesParser::new(["power", "uniform"])
+        .map(|text| if text == "uniform" { LightSelection::Uniform } else { LightSelection::Power })
+}
+
+/// `X,Y`.
+pub(crate) fn pixel(text: &str) -> Result<Pixel, String> {
+    let parse = || {
+        let (x, y) = text.split_once(',')?;
+        Some(Pixel { x: x.trim().parse().ok()?, y: y.trim().parse().ok()? })
+    };
+    parse().ok_or_else(|| "expected column and row from the top left, for example 12,34".into())
+}
+
+/// The pixel lies on the film.
+///
+/// # Errors
+/// Where it does not; `option` is what named it.
+pub(crate) fn check_pixel(option: &str, pixel: Pixel, film: FilmSize) -> Result<(), UsageError> {
+    if pixel.x < film.width && pixel.y < film.height {
+        return Ok(());
+    }
+    let (right, bottom) = (film.width.saturating_sub(1), film.height.saturating_sub(1));
+    let Pixel { x, y } = pixel;
+    Err(UsageError(format!("{option}: pixel {x},{y} is outside the film, which ends at {right},{bottom}")))
 }
 
 /// `WIDTHxHEIGHT`. Zero is left to the scene to refuse, which knows the largest size too.

@@ -5,7 +5,6 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::estimator::Registry;
@@ -77,7 +76,7 @@ pub(super) struct CompareArgs {
 
     /// How one of several emitters is chosen: in proportion to its flux, or all alike as Mitsuba does
     #[arg(long, value_name = "HOW", default_value = "power",
-          value_parser = PossibleValuesParser::new(["power", "uniform"]).map(light_selection))]
+          value_parser = args::light_selection())]
     light_selection: LightSelection,
 
     /// Image size in pixels [default: each scene's]
@@ -99,11 +98,6 @@ pub(super) struct CompareArgs {
     /// Write no images
     #[arg(long)]
     no_images: bool,
-}
-
-#[allow(clippy::needless_pass_by_value, reason = "clap hands over a String")]
-fn light_selection(text: String) -> LightSelection {
-    if text == "uniform" { LightSelection::Uniform } else { LightSelection::Power }
 }
 
 pub(super) fn run(registry: &Registry, args: &CompareArgs) -> anyhow::Result<Outcome> {

@@ -22,7 +22,7 @@ pub(crate) fn listen() -> anyhow::Result<()> {
         if STOP.swap(true, Ordering::Relaxed) {
             std::process::exit(130);
         }
-        super::complain("note", "interrupted: the present pass is finished and written; once more stops at once");
+        super::complain("note", "interrupted: what is under way is finished and written; once more stops at once");
     };
     let result = LISTENING.get_or_init(|| ctrlc::set_handler(handler).map_err(|error| error.to_string()));
     result.clone().map_err(|error| anyhow!("Ctrl-C cannot be caught: {error}"))

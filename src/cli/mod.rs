@@ -7,6 +7,8 @@ mod interrupt;
 mod layers;
 mod list;
 mod measure;
+mod method;
+mod paths;
 mod progress;
 mod pyramid;
 mod render;
@@ -45,6 +47,7 @@ enum Command {
     Render(Box<render::RenderArgs>),
     Compare(Box<compare::CompareArgs>),
     Pyramid(pyramid::PyramidArgs),
+    Paths(Box<paths::PathsArgs>),
     Export(export::ExportArgs),
     List(list::ListArgs),
     Verify(verify::VerifyArgs),
@@ -84,6 +87,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Render(args) => render::run(registry, args),
         Command::Compare(args) => compare::run(registry, args),
         Command::Pyramid(args) => pyramid::run(args),
+        Command::Paths(args) => paths::run(registry, args),
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
         Command::Verify(args) => verify::run(registry, args),

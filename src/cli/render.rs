@@ -6,7 +6,6 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::{Deserialize, Serialize};
 
 use crate::estimator::{Method, Registry};
@@ -19,7 +18,7 @@ use super::layers::{self, LayerArgs};
 use super::progress::{mean_luminance, noise, percent, si};
 use super::scene::{self, LoadOptions, LoadedScene};
 use super::session::{Budget, Outputs, Session};
-use super::{Outcome, UsageError, complain, interrupt, replay};
+use super::{Outcome, UsageError, complain, interrupt, method, replay};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -31,7 +30,6 @@ Examples:
   pathspace render cornell_box -i bdpt --layers length,technique -o box.exr      for `pathspace pyramid box.exr`
   pathspace render cornell_box --replay 0:12,34:567           the paths of a sample, in metres";
 
-const DEFAULT_INTEGRATOR: &str = "path";
 const DEFAULT_SPP: u64 = 64;
 
 /// Render a scene into an EXR or PNG image
@@ -69,7 +67,7 @@ pub(super) struct RenderArgs {
     max_length: Option<MaxLength>,
 
     /// How one of several emitters is chosen: in proportion to its flux, or all alike [default: power]
-    #[arg(long, value_name = "HOW", value_parser = PossibleValuesParser::new(["power", "uniform"]).map(light_selection))]
+    #[arg(long, value_name = "HOW", value_parser = args::light_selection())]
     light_selection: Option<LightSelection>,
 
     #[command(flatten)]
@@ -103,11 +101,6 @@ pub(super) struct RenderArgs {
     /// Render nothing; print the terms and paths of one sample, with positions in metres in the world
     #[arg(long, value_name = "SEED:X,Y:SAMPLE")]
     replay: Option<ReplayKey>,
-}
-
-#[allow(clippy::needless_pass_by_value, reason = "clap hands over a String")]
-fn light_selection(text: String) -> LightSelection {
-    if text == "uniform" { LightSelection::Uniform } else { LightSelection::Power }
 }
 
 /// What an image depends on beside seed and size; kept with it as JSON.
@@ -172,8 +165,6 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
     let resumed = args.resume.as_deref().map(Resumed::load).transpose()?;
     let loaded = load_scene(args, resumed.as_ref())?;
     let method = make_method(registry, args, resumed.as_ref(), &loaded)?;
-    let supported = method.integrator.supports(&loaded.scene);
-    supported.map_err(|why| anyhow!("{}: integrator {}: {why}", loaded.scene.source().display(), method.name))?;
     scene::show(&loaded.notes);
     if let Some(key) = args.replay {
         return replay::run(&loaded.scene, &method, key);
@@ -248,17 +239,8 @@ fn make_method(
     resumed: Option<&Resumed>,
     loaded: &LoadedScene,
 ) -> anyhow::Result<Method> {
-    let length = args.max_length.unwrap_or(MaxLength(loaded.scene.hints().max_length)).setting();
     let text = args.integrator.clone().or_else(|| resumed.map(Resumed::method));
-    let text = text.unwrap_or_else(|| DEFAULT_INTEGRATOR.to_owned());
-    let method = registry.build(&text, &[("max_length", length.clone())])?;
-    let applies = method.settings.get("max_length").filter(|applies| args.max_length.is_some() && **applies != length);
-    if let Some(applies) = applies {
-        let given =
-            format!("--max-length {length} contradicts max_length={applies} of the integrator; give one of them");
-        bail!(UsageError(given));
-    }
-    Ok(method)
+    method::build(registry, text.as_deref(), args.max_length, &loaded.scene)
 }
 
 /// Checked before the first pass: nobody wants to learn afterwards that the image has no place.

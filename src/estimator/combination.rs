@@ -3,7 +3,7 @@
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 
-use crate::path::{Contribution, Path};
+use crate::path::{Contribution, Path, WalkRules};
 use crate::sampler::{PathSampler, Random, Tracer};
 use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
@@ -61,6 +61,14 @@ impl Combination {
     #[must_use]
     pub fn densities(&self, scene: &Scene, path: &Path) -> Vec<Wide> {
         self.samplers.iter().map(|sampler| sampler.density(scene, path) * sampler.count(scene)).collect()
+    }
+
+    /// How walks end, where all its samplers that walk agree on it.
+    #[must_use]
+    pub fn rules(&self) -> Option<WalkRules> {
+        let mut rules = self.samplers.iter().filter_map(|sampler| sampler.rules());
+        let first = rules.next()?;
+        rules.all(|other| other == first).then_some(first)
     }
 
     /// `w_i(x̄)`, given all `n_j p_j(x̄)`; zero where `p_i` is.

@@ -5,6 +5,7 @@ use std::fmt::{self, Display, Formatter};
 use glam::DVec3;
 
 use crate::path::{Path, Technique};
+use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
 
@@ -42,30 +43,32 @@ pub struct RecordedTerm {
 }
 
 impl RecordedTerm {
-    /// For people, with positions in world coordinates; `centre` is the scene's.
+    /// For people, with the path's notation and with positions in world coordinates.
     #[must_use]
-    pub fn in_world(&self, centre: DVec3) -> impl Display {
-        InWorld { recorded: self.clone(), centre }
+    pub fn in_world(&self, scene: &Scene) -> impl Display {
+        Shown { recorded: self.clone(), path: scene.notation(&self.path), centre: scene.centre() }
     }
 }
 
 impl Display for RecordedTerm {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
-        self.in_world(DVec3::ZERO).fmt(f)
+        let path = format!("path of {} edges", self.path.edges());
+        Shown { recorded: self.clone(), path, centre: DVec3::ZERO }.fmt(f)
     }
 }
 
-struct InWorld {
+struct Shown {
     recorded: RecordedTerm,
+    /// What to call the path.
+    path: String,
     centre: DVec3,
 }
 
-impl Display for InWorld {
+impl Display for Shown {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let RecordedTerm { term: Term { pixel, value, technique, weight, .. }, path } = &self.recorded;
         let [r, g, b] = value.to_array();
-        let notation = path.notation();
-        writeln!(f, "{notation} by {technique}: pixel {},{}, weight {weight}, value {r} {g} {b}", pixel.x, pixel.y)?;
+        writeln!(f, "{} by {technique}: pixel {},{}, weight {weight}, value {r} {g} {b}", self.path, pixel.x, pixel.y)?;
         for (i, vertex) in path.vertices().iter().enumerate() {
             let [x, y, z] = (vertex.position + self.centre).to_array();
             writeln!(f, "  x_{i} {:<9} {x} {y} {z}", vertex.kind.name())?;

@@ -3,6 +3,7 @@
 use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
+use crate::wide::Wide;
 
 use super::{Edge, Path, Vertex, VertexKind};
 
@@ -22,6 +23,26 @@ impl Scene {
     /// Dirac distributions enter by their coefficients, so f is to be divided only by a density of the same path.
     #[must_use]
     pub fn contribution(&self, path: &Path) -> Option<Contribution> {
+        let mut value = Rgb::WHITE;
+        let pixel = self.multiply_factors(path, |factor| value *= factor)?;
+        Some(Contribution { pixel, value })
+    }
+
+    /// `f_j(x̄)` of [`contribution`](Self::contribution) by channel, of any magnitude: that of a long path is below every
+    /// plain number.
+    #[must_use]
+    pub fn wide_contribution(&self, path: &Path) -> Option<[Wide; 3]> {
+        let mut value = [Wide::ONE; 3];
+        let multiply = |factor: Rgb| {
+            for (channel, factor) in value.iter_mut().zip(factor.to_array()) {
+                *channel = *channel * factor;
+            }
+        };
+        self.multiply_factors(path, multiply).map(|_| value)
+    }
+
+    /// Gives the factors of f(x̄) one after the other, and returns the pixel that sees the path.
+    fn multiply_factors(&self, path: &Path, mut multiply: impl FnMut(Rgb)) -> Option<Pixel> {
         let k = path.edges();
         let edge = |i: usize| Edge::between(path.vertex(i), path.vertex(i + 1));
         let sensor = path.vertex(k);
@@ -29,25 +50,26 @@ impl Scene {
             VertexKind::Sensor => self.sensor().importance(sensor, -edge(k - 1).direction)?,
             _ => return None,
         };
-        let mut value = self.emitted(path.vertex(0), edge(0).direction, k) * importance.value;
-        if value.is_black() {
+        let start = self.emitted(path.vertex(0), edge(0).direction, k) * importance.value;
+        multiply(start);
+        if start.is_black() {
             // Vertices drawn twice at one place have no direction and no geometry factor, but they emit nothing either.
-            return Some(Contribution { pixel: importance.pixel, value });
+            return Some(importance.pixel);
         }
         for i in 0..k {
-            value *= edge(i).geometry(path.vertex(i), path.vertex(i + 1));
+            multiply(Rgb::grey(edge(i).geometry(path.vertex(i), path.vertex(i + 1))));
         }
         for i in 1..k {
             let (to_emitter, to_sensor) = (-edge(i - 1).direction, edge(i).direction);
-            value *= if !path.vertex(i).scatters() {
+            multiply(if !path.vertex(i).scatters() {
                 Rgb::BLACK
             } else if path.is_dirac(i) {
                 self.scatter_dirac(path.vertex(i), to_emitter, to_sensor)
             } else {
                 self.scatter(path.vertex(i), to_emitter, to_sensor)
-            };
+            });
         }
-        Some(Contribution { pixel: importance.pixel, value })
+        Some(importance.pixel)
     }
 
     /// `L_e(x_0 → x_1)` in a path of `edges` edges. What is concentrated in a point or a direction is not seen directly.

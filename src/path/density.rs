@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::measure::{Area, Density, Jacobian};
 use crate::sampler::Random;
-use crate::scene::bsdf::Side;
+use crate::scene::bsdf::{LobeDensity, Side};
 use crate::scene::emitter::Emitter;
 use crate::scene::sensor::Pixel;
 use crate::scene::{EmitterId, Scene};
@@ -26,6 +26,8 @@ pub struct WalkRules {
 /// One step of a walk, evaluated for given vertices.
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
+    /// Density of the direction of the next vertex, without roulette.
+    pub direction: LobeDensity,
     /// Density of the next vertex, without roulette.
     pub density: Density<Area>,
     /// `f_s |cos θ| / p_σ` without the radiance's η²: what roulette decides by.
@@ -147,16 +149,31 @@ impl Scene {
     /// Density of the third and later vertices of a walk, given its first two.
     fn walk_density(&self, walk: &[(&Vertex, bool)], side: Side, roulette: Roulette) -> Wide {
         let mut density = Wide::ONE;
+        let complete = self.each_step(walk, side, roulette, |step, survival| {
+            density = density * step.density.value() * survival;
+        });
+        if complete { density } else { Wide::ZERO }
+    }
+
+    /// Visits the steps of a walk from its second vertex on, each with the probability that roulette lets it happen. False
+    /// where the walk does not go on, which ends the visit.
+    pub(super) fn each_step(
+        &self,
+        walk: &[(&Vertex, bool)],
+        side: Side,
+        roulette: Roulette,
+        mut visit: impl FnMut(&Step, f64),
+    ) -> bool {
         let mut throughput = Rgb::WHITE;
         for i in 1..walk.len() - 1 {
             let (at, dirac) = walk[i];
-            let Some(step) = self.step(side, walk[i - 1].0, at, walk[i + 1].0, dirac) else { return Wide::ZERO };
+            let Some(step) = self.step(side, walk[i - 1].0, at, walk[i + 1].0, dirac) else { return false };
             throughput *= step.energy;
             let survival = roulette.survival(i as u32, || step.energy, || throughput);
             throughput = throughput / survival;
-            density = density * step.density.value() * survival;
+            visit(&step, survival);
         }
-        density
+        true
     }
 
     /// How a walk that started on `side` and came from `previous` goes on from `at` to `next`. `None` where it never does.
@@ -170,19 +187,20 @@ impl Scene {
         let to = edge.direction;
         let (to_emitter, to_sensor) = side.by_role(from, to);
         let (cos_at, cos_next) = (at.abs_cos(to), next.abs_cos(to));
-        let (density, weight) = if dirac {
+        let (direction, density, weight) = if dirac {
             let density = self.scatter_dirac_density(at, side, from, to);
             let area = density * Jacobian::projected_to_area(cos_at, cos_next, edge.length_squared);
-            (area, self.scatter_dirac(at, to_emitter, to_sensor) / density.value())
+            (LobeDensity::Dirac(density), area, self.scatter_dirac(at, to_emitter, to_sensor) / density.value())
         } else {
             let density = self.scatter_density(at, from, to);
             let area = density * edge.solid_angle_to_area(next);
-            (area, self.scatter(at, to_emitter, to_sensor) * (cos_at / density.value()))
+            let weight = self.scatter(at, to_emitter, to_sensor) * (cos_at / density.value());
+            (LobeDensity::Finite(density), area, weight)
         };
         let scale = match side {
             Side::Sensor => self.radiance_scale(at, to_emitter, to_sensor),
             Side::Emitter => 1.0,
         };
-        (density.value() > 0.0).then(|| Step { density, energy: weight / scale })
+        (density.value() > 0.0).then(|| Step { direction, density, energy: weight / scale })
     }
 }

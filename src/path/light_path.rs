@@ -73,12 +73,4 @@ impl Path {
     pub fn is_dirac(&self, i: usize) -> bool {
         self.dirac[i]
     }
-
-    /// How it scatters, in Heckbert's notation from the light to the eye: `L`, then `D` or `S` per vertex, then `E`.
-    #[must_use]
-    pub fn notation(&self) -> String {
-        let inner = &self.dirac[1..self.dirac.len() - 1];
-        let lobes = inner.iter().map(|&dirac| if dirac { 'S' } else { 'D' });
-        std::iter::once('L').chain(lobes).chain(std::iter::once('E')).collect()
-    }
 }

@@ -6,12 +6,17 @@
 
 mod contribution;
 mod density;
+mod expression;
 mod light_path;
+mod notation;
 mod roulette;
 mod vertex;
+mod vertex_density;
 
 pub use contribution::Contribution;
 pub use density::{Step, WalkRules};
+pub use expression::{ExpressionError, PathExpression};
 pub use light_path::{Path, Technique};
 pub use roulette::Roulette;
 pub use vertex::{Edge, Vertex, VertexKind};
+pub use vertex_density::{DiracDensity, VertexDensity};

@@ -80,7 +80,7 @@ fn slope(row: &SummaryRow) -> String {
 }
 
 /// Three significant digits in at most 9 characters.
-fn number(value: f64) -> String {
+pub(super) fn number(value: f64) -> String {
     let size = value.abs();
     if !value.is_finite() {
         return DASH.to_owned();
@@ -96,7 +96,7 @@ fn number(value: f64) -> String {
     }
 }
 
-fn cut(text: &str, width: usize) -> String {
+pub(crate) fn cut(text: &str, width: usize) -> String {
     if text.chars().count() <= width {
         return text.to_owned();
     }

@@ -3,7 +3,7 @@
 use std::fmt::Debug;
 use std::ops::RangeInclusive;
 
-use crate::path::{Path, Technique};
+use crate::path::{Path, Technique, WalkRules};
 use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
 use crate::wide::Wide;
@@ -36,6 +36,11 @@ pub trait PathSampler: Debug + Send + Sync {
 
     /// How many vertices of a path with this many edges it draws from the emitter's and from the sensor's side.
     fn technique(&self, edges: u32) -> Technique;
+
+    /// How its walks end, where it walks.
+    fn rules(&self) -> Option<WalkRules> {
+        None
+    }
 
     /// Its samples end by themselves, whatever lengths are asked for.
     fn ends(&self) -> bool {

@@ -15,7 +15,7 @@ use super::description::{FilmSize, LightKind, Material, Projection, SensorDescri
 use super::discrete::Discrete;
 use super::emitter::{Directional, Emitter, EmitterId, Environment, MeshEmitter, Point, SphereEmitter, Spot};
 use super::sensor::Sensor;
-use super::{MaterialId, Scene, SceneDescription, Shape, SurfaceMaterial};
+use super::{MaterialId, Names, Scene, SceneDescription, Shape, SurfaceMaterial};
 
 /// What a user may decide about a scene beyond its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -101,6 +101,7 @@ impl Builder<'_> {
         }));
         let choice = choice.ok_or_else(|| self.invalid("lights", "a flux that is not finite: check the emission"))?;
         let environment = emitters.iter().position(|e| matches!(e, Emitter::Environment(_)));
+        let names = self.names(&shapes);
         let scene = Scene {
             name: self.description.name.clone(),
             source: self.description.source.clone(),
@@ -116,6 +117,7 @@ impl Builder<'_> {
             hints: self.description.render,
             reference: self.description.reference.clone(),
             surfaces: OnceLock::new(),
+            names,
         };
         Ok((scene, self.notes))
     }
@@ -211,6 +213,19 @@ impl Builder<'_> {
         let meshes = self.description.meshes.iter().map(|m| m.material);
         let spheres = self.description.spheres.iter().map(|s| s.material);
         meshes.chain(spheres).map(|m| Shape { material: MaterialId(m as u32), emitter: None }).collect()
+    }
+
+    /// Emitters have the order of [`emitters`](Self::emitters): meshes, spheres, lights, environment.
+    fn names(&self, shapes: &[Shape]) -> Names {
+        let SceneDescription { meshes, spheres, materials, lights, environment, .. } = self.description;
+        let shape_names = meshes.iter().map(|m| &m.name).chain(spheres.iter().map(|s| &s.name));
+        let mut surfaces: Vec<(EmitterId, &String)> =
+            shapes.iter().zip(shape_names).filter_map(|(shape, name)| Some((shape.emitter?, name))).collect();
+        surfaces.sort_by_key(|(id, _)| id.0);
+        let surfaces = surfaces.into_iter().map(|(_, name)| name.clone());
+        let lights = lights.iter().map(|light| light.name.clone());
+        let emitters = surfaces.chain(lights).chain(environment.map(|_| "environment".to_owned()));
+        Names { materials: materials.iter().map(|m| m.name.clone()).collect(), emitters: emitters.collect() }
     }
 
     fn emitters(

@@ -59,6 +59,14 @@ pub struct Scene {
     reference: Option<Reference>,
     /// Made when somebody asks.
     surfaces: OnceLock<Option<Surfaces>>,
+    names: Names,
+}
+
+/// What the file calls things, by their ids.
+#[derive(Clone, Debug, Default)]
+struct Names {
+    materials: Vec<String>,
+    emitters: Vec<String>,
 }
 
 /// What all triangles of a mesh, or a sphere, have in common.
@@ -137,6 +145,18 @@ impl Scene {
     #[inline]
     pub fn emitter(&self, id: EmitterId) -> &Emitter {
         &self.emitters[id.0 as usize]
+    }
+
+    /// What the file calls a material.
+    #[must_use]
+    pub fn material_name(&self, id: MaterialId) -> &str {
+        &self.names.materials[id.0 as usize]
+    }
+
+    /// What the file calls an emitter: the mesh, the sphere or the light; `environment` for that.
+    #[must_use]
+    pub fn emitter_name(&self, id: EmitterId) -> &str {
+        &self.names.emitters[id.0 as usize]
     }
 
     /// Chooses an emitter; `u` is uniform in `[0, 1)`.

@@ -182,6 +182,13 @@ impl Scene {
     pub fn has_finite(&self, vertex: &Vertex) -> bool {
         self.material_of(vertex).bsdf.has_finite()
     }
+
+    /// Its finite lobes are glossy rather than diffuse, as [`BsdfModel::is_glossy`](super::bsdf::BsdfModel::is_glossy) has
+    /// it; false where there is no surface.
+    #[must_use]
+    pub fn is_glossy(&self, vertex: &Vertex) -> bool {
+        vertex.scatters() && self.material_of(vertex).bsdf.is_glossy()
+    }
 }
 
 #[inline(never)]

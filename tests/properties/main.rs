@@ -5,6 +5,7 @@ mod agreement;
 mod definition;
 mod experiment;
 mod known_answers;
+mod path_log;
 mod radiosity;
 mod range;
 mod visibility;

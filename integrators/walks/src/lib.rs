@@ -62,7 +62,7 @@ impl Walks {
         Arc::new(Self { fixed, roulette })
     }
 
-    fn rules(&self) -> WalkRules {
+    fn walk_rules(&self) -> WalkRules {
         WalkRules { sensor: self.roulette, emitter: self.roulette }
     }
 }
@@ -102,7 +102,7 @@ impl PathSampler for Walks {
         if technique.s + technique.t != edges + 1 || technique.t < sensor {
             return Wide::ZERO;
         }
-        scene.path_density(path, technique, &self.rules())
+        scene.path_density(path, technique, &self.walk_rules())
     }
 
     fn count(&self, scene: &Scene) -> f64 {
@@ -114,6 +114,10 @@ impl PathSampler for Walks {
             Fixed::Emitter(s) => Technique { s, t: (edges + 1).saturating_sub(s) },
             Fixed::Sensor(t) => Technique { s: (edges + 1).saturating_sub(t), t },
         }
+    }
+
+    fn rules(&self) -> Option<WalkRules> {
+        Some(self.walk_rules())
     }
 
     fn ends(&self) -> bool {

@@ -38,4 +38,8 @@ impl BsdfModel for Diffuse {
             value: self.reflectance * FRAC_1_PI,
         })
     }
+
+    fn is_glossy(&self) -> bool {
+        false
+    }
 }

@@ -105,6 +105,11 @@ pub trait BsdfModel: Debug + Send + Sync {
         true
     }
 
+    /// Its finite lobes are glossy rather than diffuse: letter G, not D, in the notation of paths.
+    fn is_glossy(&self) -> bool {
+        true
+    }
+
     /// It scatters through the surface: its back is the inside, and sidedness does not apply.
     fn transmits(&self) -> bool {
         false
@@ -210,6 +215,12 @@ impl Bsdf {
     #[inline]
     pub fn has_finite(&self) -> bool {
         dispatch!(self, model => model.has_finite())
+    }
+
+    /// See [`BsdfModel::is_glossy`].
+    #[must_use]
+    pub fn is_glossy(&self) -> bool {
+        dispatch!(self, model => model.is_glossy())
     }
 
     /// See [`BsdfModel::transmits`].

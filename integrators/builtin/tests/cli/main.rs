@@ -6,6 +6,7 @@ mod bad_input;
 mod interruption;
 mod layers;
 mod output;
+mod paths;
 mod reproducibility;
 mod sample_files;
 mod support;
