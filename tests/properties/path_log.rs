@@ -196,7 +196,7 @@ fn the_vertices_of_a_line_multiply_to_the_density_of_every_technique() {
     for description in all_scenes() {
         let scene = scenes::build(&description);
         let mut products = 0;
-        for record in &log(&scene, &bdpt("max_length=6:roulette=local:roulette_start=1"), 5) {
+        for record in &log(&scene, &bdpt("max_length=6:roulette=local:roulette_start=1"), 8) {
             let (x, k) = (&record.vertices, record.edges as usize);
             for technique in techniques(record).iter().filter(|technique| (technique.s, technique.t) != (1, 1)) {
                 let Some(ln_p) = technique.ln_p else { continue };
