@@ -20,30 +20,45 @@ use super::scene::{self, LoadOptions};
 use super::{Outcome, complain, interrupt, method};
 
 const AFTER_HELP: &str = "\
-Paths are written from the light to the eye (Heckbert 1990): L, then per bounce D diffuse, G glossy (rough metal or glass) or
-S specular (Dirac: mirror, smooth glass), then E. --where takes a regular expression that the whole path matches:
-  LDE  direct light    L(D|G)*E  no mirrors    LS+DE  caustics    L.*S.*E  any mirror    L[^S]{2,}E  two bounces or more
+Paths are written from the light to the eye (Heckbert 1990): L, for each bounce
+D diffuse, G glossy (rough metal or glass) or S specular (Dirac: mirror, smooth
+glass), then E. --where takes a regular expression that the whole path matches:
+  LDE        direct light              L(D|G)*E   without mirrors
+  LS+DE      caustics                  L.*S.*E    with any mirror
+  L[DG]SE    in a mirror or glass      L.{3,}E    three bounces or more
 
-Fields of a JSON line (schema 1; null is absent, numbers read back to the same bits, positions in metres in the world):
-  schema scene integrator seed pixel sample path    where it comes from; `path` numbers the terms of a sample
-  seen_by                     the pixel it adds to: another than `pixel` where a walk from a light finds the sensor
-  notation edges s t          how it scatters, its length, and vertices drawn from emitter and sensor
-  weight contribution f ln_f  w, the term w f/(n p), and the measurement contribution f(x) with its logarithm
-  ln_p heuristic roulette     ln p of its own technique in area measure, and what else the weight depends on
-  techniques[]                s t sampler n ln_p f_over_p; balance: 1/weight = sum of n_j exp(ln_p_j) / (n_i exp(ln_p_i))
-                              over all of them; f_over_p = f/p is the target in primary sample space, where density is 1
-  vertices[]                  position normal letter kind dirac material emitter (each with id and name), and
-    from_emitter from_sensor  the density with which a walk from either end draws it: solid_angle,
-                              projected_solid_angle (both at the vertex before), area, dirac (measure and coefficient,
-                              where there is no density), survival (of roulette, contained in the others)
-    direct                    at the ends: the density of drawing it for its neighbour
+Fields of a JSON line, schema 1. null is what is absent; numbers read back to
+the same bits; positions are in metres in the world.
+  schema scene integrator seed pixel sample path
+                       where it is from; `path` numbers the terms of a sample
+  seen_by              the pixel it adds to, another than `pixel` where a walk
+                       from a light has found the sensor
+  notation edges s t   letters, length, vertices drawn from emitter and sensor
+  weight contribution  w, and the term w f/(n p)
+  f ln_f ln_p          measurement contribution; density of its own technique
+                       in area measure; ln: natural logarithm
+  heuristic roulette   what the weight depends on beside the densities
+  techniques[]         s t sampler n ln_p f_over_p; those that can draw it
+                       for balance, over all of them:
+                       1/weight = sum_j n_j exp(ln_p_j) / (n_i exp(ln_p_i));
+                       f_over_p = f/p is the target in primary sample space,
+                       where the density of the sampler is one
+  vertices[]           position normal letter kind dirac; material and emitter
+                       (id, name); and densities, each with
+                         solid_angle projected_solid_angle (at the vertex
+                         before), area, dirac (measure and coefficient, where
+                         there is no density), survival (of roulette, contained
+                         in the others)
+    from_emitter       of a walk from the emitter that draws the vertex
+    from_sensor        of a walk from the sensor
+    direct             at the ends: of drawing it for its neighbour
 More in the documentation of the module `pathspace::report::paths`.
 
 Examples:
   pathspace paths cornell_box --pixel 60,240 --samples 4
   pathspace paths cornell_box --pixel 60,240 -i bdpt --vertices --where LDDE
-  pathspace paths glass_caustic -i light --where 'LS+DE' --format jsonl | head -n 100 > caustics.jsonl
-  pathspace paths cornell_box -i bdpt --film 8x8 -o paths.ply       to look at in a viewer of meshes";
+  pathspace paths glass_caustic -i light --where 'LS+DE' --format jsonl | head
+  pathspace paths cornell_box -i bdpt --film 8x8 -o paths.ply   for a mesh viewer";
 
 /// List the paths of some samples with their weights, contributions and densities from both sides
 ///

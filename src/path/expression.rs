@@ -93,14 +93,14 @@ fn check_letters(text: &str) -> Result<(), (usize, String)> {
     for (i, c) in text.chars().enumerate() {
         let fault = |what: String| Err((i + 1, what));
         inside = match (inside, c) {
-            (Inside::Nothing, '[') => Inside::Set { empty: true },
-            (Inside::Nothing, '{') => Inside::Count,
             (Inside::Nothing, '?') if before == '(' => return fault("'?' has nothing before it".into()),
-            (Inside::Nothing, '.' | '(' | ')' | '|' | '*' | '+' | '?') => Inside::Nothing,
-            (Inside::Set { empty: true }, '^') if before == '[' => Inside::Set { empty: true },
             (Inside::Set { empty: true }, ']') => return fault("the set of letters is empty".into()),
-            (Inside::Set { .. }, ']') | (Inside::Count, '}') => Inside::Nothing,
-            (Inside::Count, '0'..='9' | ',') => Inside::Count,
+            (Inside::Nothing, '[') => Inside::Set { empty: true },
+            (Inside::Set { empty: true }, '^') if before == '[' => Inside::Set { empty: true },
+            (Inside::Nothing, '{') | (Inside::Count, '0'..='9' | ',') => Inside::Count,
+            (Inside::Nothing, '.' | '(' | ')' | '|' | '*' | '+' | '?')
+            | (Inside::Set { .. }, ']')
+            | (Inside::Count, '}') => Inside::Nothing,
             (Inside::Nothing, c) if LETTERS.contains(c) => Inside::Nothing,
             (Inside::Set { .. }, c) if LETTERS.contains(c) => Inside::Set { empty: false },
             (place, c) => {

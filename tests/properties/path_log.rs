@@ -1,6 +1,6 @@
 //! What a line of the path log says is consistent with itself: weights, measures, products, digits.
 
-use pathspace::estimator::{Integrator, Recorder, Settings};
+use pathspace::estimator::{Integrator, Settings};
 use pathspace::film::ReplayKey;
 use pathspace::report::paths::{DensityRecord, DiracRecord, Origin, PathRecord, TechniqueRecord, VertexRecord};
 use pathspace::scene::Scene;
@@ -200,7 +200,7 @@ fn the_vertices_of_a_line_multiply_to_the_density_of_every_technique() {
     for description in all_scenes() {
         let scene = scenes::build(&description);
         let mut products = 0;
-        for record in &log(&scene, &bdpt("max_length=6:roulette=local:roulette_start=1"), 5) {
+        for record in &log(&scene, &bdpt("max_length=6:roulette=local:roulette_start=1"), 8) {
             let (x, k) = (&record.vertices, record.edges as usize);
             for technique in techniques(record).iter().filter(|technique| (technique.s, technique.t) != (1, 1)) {
                 let Some(ln_p) = technique.ln_p else { continue };
@@ -218,7 +218,7 @@ fn the_vertices_of_a_line_multiply_to_the_density_of_every_technique() {
                 products += 1;
             }
         }
-        assert!(products > 2000, "{}: only {products} products", description.name);
+        assert!(products > 1500, "{}: only {products} products", description.name);
     }
 }
 
@@ -272,11 +272,12 @@ fn any_number_reads_back_bit_for_bit() {
 fn an_integrator_without_a_definition_leaves_out_what_is_unknown() {
     let scene = scenes::build(&scenes::cabinet(FILM));
     let integrator = bdpt("max_length=5");
-    let mut recorder = Recorder::default();
-    recorder.terms = integrator.replay(&scene, ReplayKey { seed: 2, sample: 0, pixel: (5, 5) });
+    let key = ReplayKey { seed: 2, sample: 0, pixel: (5, 5) };
+    let terms = integrator.replay(&scene, key);
+    assert!(!terms.is_empty());
     let origin = Origin { scene: &scene, integrator: "custom", definition: None };
-    for term in &recorder.terms {
-        let record = PathRecord::new(&origin, ReplayKey { seed: 2, sample: 0, pixel: (5, 5) }, 0, term);
+    for term in &terms {
+        let record = PathRecord::new(&origin, key, 0, term);
         assert!(record.techniques.is_none() && record.ln_p.is_none() && record.heuristic.is_none());
         assert!(record.f.is_some() && record.vertices[1].from_emitter.unwrap().survival.is_none());
     }

@@ -36,8 +36,7 @@ impl PathTable {
     /// What the columns mean, in sentences.
     #[must_use]
     pub fn legend(&self) -> String {
-        let mut text =
-            "adds: luminance of w f/(n p) [W/m²/sr]; f: luminance of f(x̄); p: density in area; →: seen by\n".to_owned();
+        let mut text = "adds, f: luminance of w f/(n p) [W/m²/sr] and of f(x̄); p: in area; →: seen by\n".to_owned();
         if self.vertices {
             text += "p_emitter, p_sensor: density of a vertex in walks from either end [1/m²]; δ: Dirac\n";
         }
