@@ -37,8 +37,10 @@ fn deep_hierarchies_are_walked_without_recursion() {
 
 #[test]
 fn transforms_that_overflow_are_refused() {
-    let nodes = json!([{"children": [1], "scale": [1e200, 1, 1]}, {"mesh": 0, "scale": [1e200, 1, 1]}]);
-    assert_refused(&with_nodes(nodes, json!([0])), &["nodes[1]", "not finite"]);
+    // A single number beyond f32 is refused by the JSON reader, so ten together go beyond f64.
+    let mut nodes: Vec<_> = (1..10).map(|child| json!({"children": [child], "scale": [1e38, 1, 1]})).collect();
+    nodes.push(json!({"mesh": 0, "scale": [1e38, 1, 1]}));
+    assert_refused(&with_nodes(json!(nodes), json!([0])), &["nodes[", "not finite"]);
     let huge = with_nodes(json!([{"mesh": 0}]), json!([0]))
         .to_string()
         .replace("\"mesh\":0", "\"mesh\":0,\"scale\":[1e999,1,1]");
