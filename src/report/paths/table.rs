@@ -38,7 +38,7 @@ impl PathTable {
     pub fn legend(&self) -> String {
         let mut text = "adds, f: luminance of w f/(n p) [W/m²/sr] and of f(x̄); p: in area; →: seen by\n".to_owned();
         if self.vertices {
-            text += "p_emitter, p_sensor: density of a vertex in walks from either end [1/m²]; δ: Dirac\n";
+            text += "p_emitter, p_sensor: density in walks from either end [1/m²]; δ: Dirac\n";
         }
         text
     }
