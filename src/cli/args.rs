@@ -3,6 +3,7 @@
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
+pub(crate) use crate::experiment::manifest::MaxLength;
 use crate::scene::LightSelection;
 use crate::scene::description::FilmSize;
 use crate::scene::sensor::Pixel;
@@ -27,26 +28,9 @@ pub(crate) struct SceneArgs {
     pub environment: Option<Rgb>,
 }
 
-/// The longest path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct MaxLength(pub Option<u32>);
-
-impl MaxLength {
-    /// As the setting `max_length` is written.
-    pub(crate) fn setting(self) -> String {
-        self.0.map_or_else(|| "none".to_owned(), |edges| edges.to_string())
-    }
-}
-
 /// A whole number of edges from 1 on, or `none`.
 pub(crate) fn max_length(text: &str) -> Result<MaxLength, String> {
-    match text {
-        "none" => Ok(MaxLength(None)),
-        _ => match text.parse() {
-            Ok(edges @ 1..) => Ok(MaxLength(Some(edges))),
-            _ => Err("expected a whole number of edges from 1 on, or none for unlimited".into()),
-        },
-    }
+    text.parse()
 }
 
 /// `power` or `uniform`.

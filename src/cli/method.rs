@@ -20,7 +20,7 @@ pub(super) fn build(
     max_length: Option<MaxLength>,
     scene: &Scene,
 ) -> anyhow::Result<Method> {
-    let length = max_length.unwrap_or(MaxLength(scene.hints().max_length)).setting();
+    let length = max_length.unwrap_or(MaxLength(scene.hints().max_length)).to_string();
     let method = registry.build(text.unwrap_or(DEFAULT), &[("max_length", length.clone())])?;
     let applies = method.settings.get("max_length").filter(|applies| max_length.is_some() && **applies != length);
     if let Some(applies) = applies {

@@ -61,6 +61,11 @@ enum Command {
 #[error("{0}")]
 struct UsageError(String);
 
+/// The user has ended it before there was anything to show.
+#[derive(Debug, Error)]
+#[error("{0}")]
+struct Stopped(String);
+
 /// How a command that did not fail has ended.
 enum Outcome {
     Done,
@@ -101,6 +106,10 @@ pub fn main(registry: &Registry) -> ExitCode {
         Ok(Outcome::Failed) => ExitCode::from(1),
         // Whoever reads our output has seen enough.
         Err(error) if is_broken_pipe(&error) => ExitCode::SUCCESS,
+        Err(error) if error.is::<Stopped>() => {
+            complain("note", &error.to_string());
+            ExitCode::from(130)
+        }
         Err(error) => {
             complain("error", &error.to_string());
             let usage = error.is::<UsageError>() || error.is::<RegistryError>();

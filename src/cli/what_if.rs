@@ -64,7 +64,7 @@ pub(super) fn run(registry: &Registry, args: &WhatIfArgs) -> anyhow::Result<Outc
     };
     let loaded = scene::load(&args.scene, &options)?;
     scene::show(&loaded.notes);
-    let length = args.max_length.unwrap_or(MaxLength(loaded.scene.hints().max_length)).setting();
+    let length = args.max_length.unwrap_or(MaxLength(loaded.scene.hints().max_length)).to_string();
     let method = registry.build(&format!("mis:samplers={}", args.samplers), &[("max_length", length)])?;
     let Some(combination) = method.integrator.definition(u32::MAX) else {
         bail!(UsageError(format!("--samplers {}: they are no combination of samplers", args.samplers)));

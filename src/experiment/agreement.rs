@@ -2,12 +2,15 @@
 
 use serde::Serialize;
 
-use crate::film::{BlockStatistics, FilmError, Image};
+use crate::film::{BlockGrid, BlockStatistics, FilmError, Image};
 use crate::report::agreement::{MeanTest, between_seeds_p_value};
-use crate::report::{Agreement, AgreementSettings, Verdict};
+use crate::report::{Agreement, AgreementSettings, Reference, Verdict};
 use crate::spectrum::Rgb;
 
 use super::run::Finished;
+
+/// Rises with every change of the columns.
+const SCHEMA: u32 = 1;
 
 /// A method whose mean is further than so many standard errors from an exact reference differs from it: for a normal
 /// distribution once in 16 000 tests.
@@ -17,38 +20,41 @@ const EXACT_LIMIT: f64 = 4.0;
 const EXACT_ERROR: f64 = 0.01;
 
 /// All finished runs of a method on a scene.
+#[derive(Default)]
 pub(super) struct Pool {
     renders: Vec<BlockStatistics>,
     restricted: Vec<BlockStatistics>,
-    pub pass_spp: u64,
-    sum: Vec<Rgb>,
-    spp: u64,
-    size: (u32, u32),
+    pass_spp: Option<u64>,
+    sum: Option<Image>,
+    pub spp: u64,
 }
 
 impl Pool {
-    pub fn new(run: &Finished) -> Self {
-        let (size, sum) = ((run.image.width, run.image.height), vec![Rgb::BLACK; run.image.pixels.len()]);
-        Self { renders: Vec::new(), restricted: Vec::new(), pass_spp: run.pass_spp, sum, spp: 0, size }
-    }
-
     /// Adds a run. Passes of another size are no replicates of those before, so their statistics are left out.
     pub fn add(&mut self, run: &Finished) {
-        if run.pass_spp == self.pass_spp {
+        if *self.pass_spp.get_or_insert(run.pass_spp) == run.pass_spp {
             self.renders.push(run.statistics.clone());
             self.restricted.extend(run.restricted.clone());
         }
+        let Some(image) = &run.image else { return };
         let spp = run.rows.last().map_or(0, |row| row.spp);
-        for (sum, &pixel) in self.sum.iter_mut().zip(&run.image.pixels) {
+        let black = || Image { pixels: vec![Rgb::BLACK; image.pixels.len()], ..*image };
+        let sum = self.sum.get_or_insert_with(black);
+        for (sum, &pixel) in sum.pixels.iter_mut().zip(&image.pixels) {
             *sum += pixel * spp as f64;
         }
         self.spp += spp;
     }
 
-    /// The mean over all samples of all runs.
-    pub fn mean_image(&self) -> Image {
-        let pixels = self.sum.iter().map(|&sum| sum / self.spp.max(1) as f64).collect();
-        Image { width: self.size.0, height: self.size.1, pixels }
+    pub fn is_empty(&self) -> bool {
+        self.renders.is_empty()
+    }
+
+    /// The mean over all samples of all runs, where there are images.
+    pub fn mean_image(&self) -> Option<Image> {
+        let sum = self.sum.as_ref()?;
+        let pixels = sum.pixels.iter().map(|&sum| sum / self.spp.max(1) as f64).collect();
+        Some(Image { pixels, ..*sum })
     }
 
     /// Over all passes of all runs, in all blocks or in those that light methods see.
@@ -64,6 +70,8 @@ impl Pool {
 /// One line of `agreement.csv`; columns stand in the order of the fields. Differences are relative.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct AgreementRow {
+    /// Version of this table.
+    pub schema: u32,
     /// Name of the scene.
     pub scene: String,
     /// Name of the method.
@@ -131,6 +139,9 @@ impl AgreementRow {
     }
 }
 
+/// What a rendered reference is called in the column `against`.
+pub const REFERENCE: &str = "reference";
+
 const CHANNELS: [&str; 4] = ["red", "green", "blue", "luminance"];
 
 /// Method `a` against method `b`; `masked` where one of them is a light method.
@@ -141,12 +152,39 @@ pub(super) fn between(
     masked: bool,
 ) -> Result<Option<AgreementRow>, FilmError> {
     let (Some(ours), Some(theirs)) = (a.statistics(masked)?, b.statistics(masked)?) else { return Ok(None) };
-    let settings = AgreementSettings::default();
     let (Some(all_ours), Some(all_theirs)) = (a.statistics(false)?, b.statistics(false)?) else { return Ok(None) };
-    let test = Agreement::test_with((&ours, &theirs), (&all_ours, &all_theirs), &settings)?;
+    let passes = theirs.passes();
+    let row = tested(names, (&ours, &theirs), (&all_ours, &all_theirs))?;
+    Ok(Some(AgreementRow { against_passes: Some(passes), seeds_p: between_seeds_p_value(&a.renders), ..row }))
+}
+
+/// A method against a reference of known variance; `None` where that is not known.
+pub(super) fn with_reference(
+    scene: &str,
+    method: &str,
+    pool: &Pool,
+    reference: &Reference,
+    masked: bool,
+) -> Result<Option<AgreementRow>, FilmError> {
+    let (Some(ours), Some(all_ours)) = (pool.statistics(masked)?, pool.statistics(false)?) else { return Ok(None) };
+    let Some(variance) = &reference.variance else { return Ok(None) };
+    let of = |grid: &BlockGrid| BlockStatistics::of_reference(grid.clone(), &reference.mean, variance);
+    let (theirs, all_theirs) = (of(ours.grid())?, of(all_ours.grid())?);
+    let row = tested((scene, method, REFERENCE), (&ours, &theirs), (&all_ours, &all_theirs))?;
+    Ok(Some(AgreementRow { seeds_p: between_seeds_p_value(&pool.renders), ..row }))
+}
+
+fn tested(
+    names: (&str, &str, &str),
+    (ours, theirs): (&BlockStatistics, &BlockStatistics),
+    all: (&BlockStatistics, &BlockStatistics),
+) -> Result<AgreementRow, FilmError> {
+    let settings = AgreementSettings::default();
+    let test = Agreement::test_with((ours, theirs), all, &settings)?;
     let MeanTest { t, p_value, relative_difference, relative_error, detectable } = test.image;
     let worst = test.worst.as_ref();
-    Ok(Some(AgreementRow {
+    Ok(AgreementRow {
+        schema: SCHEMA,
         scene: names.0.into(),
         method: names.1.into(),
         against: names.2.into(),
@@ -169,10 +207,10 @@ pub(super) fn between(
         power: test.power,
         significance: settings.significance,
         passes: ours.passes(),
-        against_passes: Some(theirs.passes()),
-        seeds_p: between_seeds_p_value(&a.renders),
+        against_passes: None,
+        seeds_p: None,
         details: test.to_string(),
-    }))
+    })
 }
 
 /// The whole image of a method against an exact radiance: each channel and the luminance.
@@ -217,6 +255,7 @@ pub(super) fn with_exact(
         scores[worst].2
     );
     Ok(Some(AgreementRow {
+        schema: SCHEMA,
         scene: scene.into(),
         method: method.into(),
         against: "exact".into(),

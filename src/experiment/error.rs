@@ -27,6 +27,9 @@ pub enum ExperimentError {
     /// A scene cannot be compared as asked.
     #[error("{0}")]
     Scene(String),
+    /// The user has ended it before anything ran.
+    #[error("{0}")]
+    Stopped(String),
     /// A file cannot be read or written.
     #[error(transparent)]
     File(#[from] FileError),

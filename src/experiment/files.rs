@@ -1,57 +1,75 @@
-//! The folder of an experiment.
+//! The folder of an experiment; `src/docs/tables.md` describes its tables.
+//!
+//! ```text
+//! experiment.toml   the resolved manifest
+//! *.csv             tables over all finished runs
+//! references/       SCENE.exr: what errors are measured against, with its standard error
+//! runs/             SCENE/METHOD/SEED/: one run
+//! images/           SCENE/METHOD.exr and .png: means over seeds
+//! mitsuba/          SCENE/: the scene as Mitsuba reads it
+//! ```
 
 use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::film::exr::write_exr;
+use serde::Serialize;
+
+use crate::film::exr::{NamedLayer, write_exr};
 use crate::film::output::write_atomically;
 use crate::film::png::write_png;
 use crate::film::{Image, RenderInfo};
-use crate::report::rows::write_rows;
-use crate::report::summary::write_summary;
-use crate::report::{Row, SummaryRow};
+use crate::scene::SceneDescription;
+use crate::scene::mitsuba::{ExportError, ExportOptions, export};
 
-use super::agreement::AgreementRow;
 use super::error::ExperimentError;
-use super::plan::Plan;
+use super::manifest::Manifest;
+use super::plan::ScenePlan;
+use super::reference::Truth;
+
+const MANIFEST: &str = "experiment.toml";
 
 /// What a folder of an experiment holds, of which nothing is left when another takes its place.
-const CONTENTS: [&str; 6] = ["experiment.toml", "rows.csv", "summary.csv", "agreement.csv", "images", "mitsuba"];
+const CONTENTS: [&str; 12] = [
+    MANIFEST,
+    "rows.csv",
+    "curves.csv",
+    "summary.csv",
+    "verdicts.csv",
+    "agreement.csv",
+    "references",
+    "runs",
+    "images",
+    "mitsuba",
+    "report.html",
+    "convergence.png",
+];
 
 /// Where an experiment is written; every file is whole or not there.
 #[derive(Clone, Debug)]
 pub struct Folder {
     path: PathBuf,
-    images: bool,
 }
 
 impl Folder {
-    /// Makes the folder. `force` clears away an experiment that is there already, and nothing else; `images` says whether
-    /// images are written too.
+    /// Opens the folder, or makes it. `force` clears away an experiment that is there already, and nothing else.
     ///
     /// # Errors
-    /// When it cannot be made or written to, or holds an experiment.
-    pub fn create(path: &Path, force: bool, images: bool) -> Result<Self, ExperimentError> {
+    /// When it cannot be made or written to.
+    pub fn open(path: &Path, force: bool) -> Result<Self, ExperimentError> {
         let failed =
             |source: io::Error| ExperimentError::Scene(format!("{}: cannot be made: {source}", path.display()));
-        if CONTENTS.iter().any(|name| path.join(name).exists()) {
-            if !force {
-                let what = format!("{}: holds an experiment; choose another folder, or --force", path.display());
-                return Err(ExperimentError::Scene(what));
-            }
-            for name in CONTENTS {
-                let old = path.join(name);
-                let removed = if old.is_dir() { fs::remove_dir_all(&old) } else { fs::remove_file(&old) };
-                match removed {
-                    Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
-                    _ => {}
-                }
+        for name in CONTENTS.into_iter().filter(|_| force) {
+            let old = path.join(name);
+            let removed = if old.is_dir() { fs::remove_dir_all(&old) } else { fs::remove_file(&old) };
+            match removed {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(failed(error)),
+                _ => {}
             }
         }
         fs::create_dir_all(path).map_err(failed)?;
         crate::film::check_writable(&path.join("rows.csv"))?;
-        Ok(Self { path: path.to_owned(), images })
+        Ok(Self { path: path.to_owned() })
     }
 
     /// Its path.
@@ -60,57 +78,97 @@ impl Folder {
         &self.path
     }
 
-    /// Where a scene is exported to.
-    pub(super) fn mitsuba(&self, scene: &str) -> PathBuf {
-        self.path.join("mitsuba").join(file_name(scene))
+    /// The experiment that it holds.
+    ///
+    /// # Errors
+    /// When `experiment.toml` is none.
+    pub fn manifest(&self) -> Result<Option<Manifest>, ExperimentError> {
+        let file = self.path.join(MANIFEST);
+        if file.exists() { Manifest::read(&file).map(Some) } else { Ok(None) }
     }
 
-    pub(super) fn write_plan(&self, plan: &Plan) -> Result<(), ExperimentError> {
-        let text = plan.to_toml()?;
-        Ok(write_atomically(&self.path.join("experiment.toml"), |file| file.write_all(text.as_bytes()))?)
+    pub(super) fn write_manifest(&self, manifest: &Manifest) -> Result<(), ExperimentError> {
+        let text = toml::to_string(manifest).map_err(|error| ExperimentError::Usage(format!("{MANIFEST}: {error}")))?;
+        let file = self.path.join(MANIFEST);
+        if fs::read_to_string(&file).is_ok_and(|old| old == text) {
+            return Ok(());
+        }
+        Ok(write_atomically(&file, |file| file.write_all(text.as_bytes()))?)
     }
 
-    pub(super) fn write_rows(&self, rows: &[Row]) -> Result<(), ExperimentError> {
-        Ok(write_rows(&self.path.join("rows.csv"), rows)?)
+    pub(super) fn runs(&self) -> PathBuf {
+        self.path.join("runs")
     }
 
-    pub(super) fn write_summary(&self, summary: &[SummaryRow]) -> Result<(), ExperimentError> {
-        Ok(write_summary(&self.path.join("summary.csv"), summary)?)
+    /// Where a run lies.
+    pub(super) fn run(&self, scene: &str, method: &str, seed: u64) -> PathBuf {
+        self.runs().join(file_name(scene)).join(file_name(method)).join(seed.to_string())
     }
 
-    pub(super) fn write_agreement(&self, rows: &[AgreementRow]) -> Result<(), ExperimentError> {
-        Ok(write_atomically(&self.path.join("agreement.csv"), |file| {
+    /// The scene as Mitsuba reads it; written once.
+    pub(super) fn mitsuba(&self, plan: &ScenePlan, description: &SceneDescription) -> Result<PathBuf, ExportError> {
+        let folder = self.path.join("mitsuba").join(file_name(&plan.name));
+        let file = folder.join("scene.xml");
+        if file.exists() {
+            return Ok(file);
+        }
+        // In a folder of another name first, since others may be doing the same.
+        let parts = folder.with_extension(format!("{}.part", std::process::id()));
+        let options = ExportOptions { film: plan.film, max_length: plan.longest(), ..ExportOptions::default() };
+        let exported = export(description, &options, &parts);
+        if exported.is_ok() {
+            let _ = fs::rename(&parts, &folder);
+        }
+        let _ = fs::remove_dir_all(&parts);
+        exported.map(|_| file)
+    }
+
+    pub(super) fn write_table<T: Serialize>(&self, name: &str, rows: &[T]) -> Result<(), ExperimentError> {
+        Ok(write_atomically(&self.path.join(name), |file| {
             let mut writer = csv::Writer::from_writer(file);
             rows.iter().try_for_each(|row| writer.serialize(row)).map_err(io::Error::other)?;
             writer.flush()
         })?)
     }
 
-    /// `images/SCENE/METHOD/seed_N.exr`.
-    pub(super) fn write_image(
-        &self,
-        image: &Image,
-        method: &str,
-        info: &RenderInfo,
-        spp: u64,
-    ) -> Result<(), ExperimentError> {
-        if !self.images {
-            return Ok(());
-        }
-        let folder = self.image_folder(&info.scene, method)?;
-        Ok(write_exr(&folder.join(format!("seed_{}.exr", info.seed)), image, [], info, spp, &[])?)
+    /// `references/SCENE.exr`.
+    pub(super) fn reference(&self, scene: &str) -> PathBuf {
+        self.path.join("references").join(format!("{}.exr", file_name(scene)))
     }
 
-    /// `images/SCENE/METHOD/mean.png`, over all seeds, for looking.
-    pub(super) fn write_mean(&self, image: &Image, scene: &str, method: &str) -> Result<(), ExperimentError> {
-        if !self.images {
-            return Ok(());
-        }
-        Ok(write_png(&self.image_folder(scene, method)?.join("mean.png"), image, 0.0)?)
+    pub(super) fn write_reference(&self, scene: &str, truth: &Truth) -> Result<(), ExperimentError> {
+        let Some(reference) = &truth.reference else { return Ok(()) };
+        let file = self.reference(scene);
+        self.folder("references")?;
+        let info = RenderInfo {
+            scene: scene.into(),
+            integrator: truth.words.clone(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            ..RenderInfo::default()
+        };
+        let error = reference.variance.as_ref().map(|variance| {
+            let pixels = variance.pixels.iter().map(|pixel| pixel.map(f64::sqrt)).collect();
+            NamedLayer { name: "standard_error".into(), image: Image { pixels, ..*variance } }
+        });
+        Ok(write_exr(&file, &reference.mean, error, &info, 0, &[])?)
     }
 
-    fn image_folder(&self, scene: &str, method: &str) -> Result<PathBuf, ExperimentError> {
-        let folder = self.path.join("images").join(file_name(scene)).join(file_name(method));
+    /// `images/SCENE/METHOD.exr` and `.png`.
+    pub(super) fn write_mean(&self, image: &Image, scene: &str, method: &str, spp: u64) -> Result<(), ExperimentError> {
+        let folder = self.folder(&format!("images/{}", file_name(scene)))?;
+        let info = RenderInfo {
+            scene: scene.into(),
+            integrator: method.into(),
+            version: env!("CARGO_PKG_VERSION").into(),
+            ..RenderInfo::default()
+        };
+        let name = file_name(method);
+        write_exr(&folder.join(format!("{name}.exr")), image, [], &info, spp, &[])?;
+        Ok(write_png(&folder.join(format!("{name}.png")), image, 0.0)?)
+    }
+
+    fn folder(&self, name: &str) -> Result<PathBuf, ExperimentError> {
+        let folder = self.path.join(name);
         fs::create_dir_all(&folder)
             .map_err(|error| ExperimentError::Scene(format!("{}: cannot be made: {error}", folder.display())))?;
         Ok(folder)

@@ -51,17 +51,10 @@ pub(super) fn build(label: &str, registry: &Registry, max_length: &str) -> Resul
     Ok(Method { name: format!("{MITSUBA}{name}"), settings, kind: MethodKind::Mitsuba(method) })
 }
 
-/// From all its settings, as [`build`] has resolved them.
-pub(super) fn rebuild(
-    label: &str,
-    settings: &BTreeMap<String, String>,
-    registry: &Registry,
-) -> Result<Method, ExperimentError> {
-    let segments = if label.starts_with(MITSUBA) { 2 } else { 1 };
-    let name: Vec<&str> = label.split(':').take(segments).collect();
-    let settings = settings.iter().map(|(key, value)| format!(":{key}={value}"));
-    let text: String = std::iter::once(name.join(":")).chain(settings).collect();
-    build(&text, registry, "none")
+/// The name without settings of what [`build`] takes.
+pub(super) fn name_of(text: &str) -> &str {
+    let start = if text.starts_with(MITSUBA) { MITSUBA.len() } else { 0 };
+    text[start..].find(':').map_or(text, |end| &text[..start + end])
 }
 
 fn mitsuba(
@@ -99,11 +92,8 @@ mod tests {
             .unwrap_or_else(|_| panic!("known"));
         let MethodKind::Mitsuba(mitsuba) = &method.kind else { panic!("it is Mitsuba's") };
         assert_eq!((mitsuba.integrator, mitsuba.rr_depth, mitsuba.max_length.as_str()), ("ptracer", 100, "8"));
-        let label = "mitsuba:ptracer:rr_depth=100:variant=scalar_rgb";
-        assert_eq!(
-            rebuild(label, &method.settings, &registry).unwrap_or_else(|_| panic!("known")).settings,
-            method.settings
-        );
+        assert_eq!(name_of("mitsuba:ptracer:rr_depth=100:variant=scalar_rgb"), "mitsuba:ptracer");
+        assert_eq!((name_of("bdpt:heuristic=power"), name_of("path")), ("bdpt", "path"));
         for (text, part) in [
             ("mitsuba:bdpt", "known: mitsuba:path"),
             ("mitsuba:path:variant=cuda", "scalar_rgb or llvm_ad_rgb"),

@@ -9,12 +9,12 @@ use serde::Deserialize;
 
 use crate::film::{BLOCK_SIDE, BlockGrid, BlockStatistics, Image};
 use crate::report::npy::{Array, read_npy};
-use crate::report::{Errors, ReportError, Row};
+use crate::report::{ReportError, Row};
 use crate::spectrum::Rgb;
 
+use super::budget::Budget;
 use super::error::ExperimentError;
 use super::method::MitsubaMethod;
-use super::plan::Budget;
 use super::process::{Ended, Line, run_limited};
 use super::run::{Finished, Job, Observer, RunEnd, Standing};
 
@@ -174,23 +174,20 @@ pub(super) fn render(
     let checkpoints = job.plan.checkpoints.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
     command.arg("--scene").arg(scene).arg("--out").arg(folder);
     command.args(["--integrator", method.integrator, "--variant", &method.variant]);
-    command.args(["--seed", &job.seed.to_string(), "--threads", &job.plan.threads.to_string()]);
+    command.args(["--seed", &job.seed.to_string(), "--threads", &job.plan.machine.threads.to_string()]);
     command.args(["--max-length", &method.max_length, "--rr-depth", &method.rr_depth.to_string()]);
     command.args(["--block", &BLOCK_SIDE.to_string()]);
-    let limit = match job.plan.budget {
-        Budget::Seconds(seconds) => {
-            command.args(["--seconds", &seconds.to_string(), "--checkpoints", &checkpoints]);
-            SLACK + OVERSHOOT * seconds
-        }
+    let (limit, pass_of_budget) = match job.budget() {
         Budget::Spp(spp) => {
             command.args(["--spp", &spp.to_string()]);
-            SPP_LIMIT
+            (SPP_LIMIT, Some((spp / PASSES_OF_BUDGET).max(1)))
+        }
+        timed => {
+            command.args(["--seconds", &timed.end().to_string(), "--checkpoints", &checkpoints]);
+            (SLACK + OVERSHOOT * timed.end(), None)
         }
     };
-    let pass_spp = pass_spp.or(match job.plan.budget {
-        Budget::Seconds(_) => None,
-        Budget::Spp(spp) => Some((spp / PASSES_OF_BUDGET).max(1)),
-    });
+    let pass_spp = pass_spp.or(pass_of_budget);
     if let Some(pass_spp) = pass_spp {
         command.args(["--pass-spp", &pass_spp.to_string()]);
     }
@@ -205,10 +202,8 @@ pub(super) fn render(
             |line| match line {
                 Line::Error(text) if text.starts_with('{') => {
                     if let Ok(Progress { seconds, spp }) = serde_json::from_str(&text) {
-                        let share = match job.plan.budget {
-                            Budget::Seconds(all) => seconds / all,
-                            Budget::Spp(all) => spp as f64 / all as f64,
-                        };
+                        let spent = if job.budget().seconds().is_some() { seconds } else { spp as f64 };
+                        let share = spent / job.budget().end();
                         cell.borrow_mut().progress(&Standing { share, seconds, spp, rmse: None });
                     }
                 }
@@ -250,9 +245,11 @@ fn collect(job: &Job<'_>, folder: &Path) -> Result<Finished, ExperimentError> {
         let found = image_of(&read_npy(&file)?).ok_or_else(|| damaged(format!("{} is no image", checkpoint.file)))?;
         let row = Row {
             scene: job.scene.name.clone(),
-            method: job.label.to_owned(),
+            method: job.method.label.clone(),
             renderer: format!("{} {}", run.renderer, run.variant),
             seed: job.seed,
+            hardware: job.plan.machine.hardware.clone(),
+            host: job.plan.machine.host.clone(),
             threads: run.threads,
             checkpoint: checkpoint.index,
             spp: checkpoint.spp,
@@ -263,10 +260,7 @@ fn collect(job: &Job<'_>, folder: &Path) -> Result<Finished, ExperimentError> {
             load_seconds: Some(run.load_seconds),
             ..Row::default()
         };
-        rows.push(match &job.truth.image {
-            Some(reference) => row.with_errors(&Errors::between(&found, reference, None)?),
-            None => row,
-        });
+        rows.push(job.measured(row, &found)?);
         image = Some(found);
         let _ = fs::remove_file(file);
     }
@@ -287,7 +281,7 @@ fn collect(job: &Job<'_>, folder: &Path) -> Result<Finished, ExperimentError> {
         None => None,
     };
     let statistics = BlockStatistics::from_passes(grid, &shape, &data)?;
-    Ok(Finished { rows, image, statistics, restricted, pass_spp: run.pass_spp })
+    Ok(Finished { rows, image: Some(image), statistics, restricted, pass_spp: run.pass_spp })
 }
 
 fn image_of(array: &Array) -> Option<Image> {

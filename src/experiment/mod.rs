@@ -4,12 +4,19 @@
 //! their seed. Runs never overlap in time. What a run measures is rendering alone: a clock stands still while errors are
 //! computed, progress is shown and files are written.
 //!
-//! Every run has a seed of its own, so that methods that share random number streams are independent too, as the test of
-//! agreement requires: repetition r of method i among m has the seed `first + r m + i`, and `render --seed` repeats it.
+//! An experiment lives in a [`Folder`]. [`run`] makes the runs that are missing there, each a job of its own in a folder of its
+//! own, and [`collect`] makes the tables of whatever is finished: both can be repeated, interrupted, and shared by machines.
 
 mod agreement;
+pub mod budget;
+pub mod cache;
+mod collect;
+mod entry;
 mod error;
 mod files;
+mod job;
+mod machine;
+pub mod manifest;
 pub mod mask;
 mod method;
 mod mitsuba;
@@ -18,14 +25,20 @@ mod plan;
 mod process;
 mod reference;
 mod run;
+pub mod seeds;
 
-pub use agreement::AgreementRow;
+pub use agreement::{AgreementRow, REFERENCE};
+pub use budget::Budget;
+pub use collect::{Report, collect};
+pub use entry::StringOr;
 pub use error::ExperimentError;
 pub use files::Folder;
+pub use machine::Machine;
+pub use manifest::{Manifest, MethodEntry, SceneEntry};
 pub use mitsuba::Mitsuba;
-pub use plan::{Budget, Plan, Request, ScenePlan};
-pub use reference::{ReferenceChoice, check_reference};
-pub use run::{Observer, Report, RunId, Standing, Unfinished, run};
+pub use plan::{MethodPlan, Plan, Record, ScenePlan};
+pub use reference::{ReferencePolicy, RenderedReference};
+pub use run::{Made, Observer, Renderers, RunId, Standing, Unfinished, missing, run};
 
 use crate::scene::{Scene, SceneDescription};
 

@@ -6,11 +6,11 @@ use cpu_time::ProcessTime;
 
 use crate::estimator::{Control, Integrator};
 use crate::film::Film;
-use crate::report::{Errors, Row};
+use crate::report::Row;
 
 use super::Subject;
+use super::budget::Budget;
 use super::error::ExperimentError;
-use super::plan::Budget;
 use super::run::{Finished, Job, Observer, RunEnd, Standing};
 
 /// Rendering time between two looks at the clock \[s\].
@@ -51,7 +51,7 @@ pub(super) fn render(
     }
     Ok(RunEnd::Finished(Box::new(Finished {
         rows,
-        image: film.mean_image(),
+        image: Some(film.mean_image()),
         statistics: film.block_statistics().clone(),
         restricted: film.restricted_statistics().cloned(),
         pass_spp: 1,
@@ -76,8 +76,8 @@ struct Clock<'a> {
 impl Clock<'_> {
     /// In the unit of the budget and of the checkpoints.
     fn spent(&self, film: &Film) -> f64 {
-        match self.job.plan.budget {
-            Budget::Seconds(_) => self.wall.as_secs_f64(),
+        match self.job.budget() {
+            Budget::Seconds(_) | Budget::Error(_) => self.wall.as_secs_f64(),
             Budget::Spp(_) => film.passes() as f64,
         }
     }
@@ -90,12 +90,15 @@ impl Clock<'_> {
             return Ok(());
         }
         self.next = reached;
+        let machine = &self.job.plan.machine;
         let row = Row {
             scene: self.job.scene.name.clone(),
-            method: self.job.label.to_owned(),
+            method: self.job.method.label.clone(),
             renderer: format!("pathspace {}", env!("CARGO_PKG_VERSION")),
             seed: self.job.seed,
-            threads: self.job.plan.threads as u32,
+            hardware: machine.hardware.clone(),
+            host: machine.host.clone(),
+            threads: machine.threads as u32,
             checkpoint: reached as u32 - 1,
             spp: film.passes(),
             render_seconds: self.wall.as_secs_f64(),
@@ -107,23 +110,25 @@ impl Clock<'_> {
             negative: Some(film.counters.negative),
             ..Row::default()
         };
-        self.rows.push(match &self.job.truth.image {
-            Some(reference) => row.with_errors(&Errors::between(&film.mean_image(), reference, None)?),
-            None => row,
-        });
+        self.rows.push(self.job.measured(row, &film.mean_image())?);
         Ok(())
     }
 
     /// Passes up to the next checkpoint or look at the clock, whatever comes first; zero at the end.
     fn wanted(&self, film: &Film) -> u64 {
         let Some(&target) = self.job.plan.checkpoints.get(self.next) else { return 0 };
+        if let (Budget::Error(wanted), Some(row)) = (self.job.budget(), self.rows.last())
+            && wanted.reached(row)
+        {
+            return 0;
+        }
         if film.passes() == 0 {
             return 1;
         }
         let per_pass = self.wall.as_secs_f64() / film.passes() as f64;
         let until_look = (LOOK_EVERY / per_pass) as u64;
-        let until_target = match self.job.plan.budget {
-            Budget::Seconds(_) => ((target - self.wall.as_secs_f64()) / per_pass) as u64,
+        let until_target = match self.job.budget() {
+            Budget::Seconds(_) | Budget::Error(_) => ((target - self.wall.as_secs_f64()) / per_pass) as u64,
             Budget::Spp(_) => target as u64 - film.passes(),
         };
         until_look.min(until_target).max(1)
@@ -145,10 +150,7 @@ impl Control for Clock<'_> {
         if wanted == 0 || self.stopped {
             return 0;
         }
-        let share = match self.job.plan.budget {
-            Budget::Seconds(all) => self.spent(film) / all,
-            Budget::Spp(all) => self.spent(film) / all as f64,
-        };
+        let share = self.spent(film) / self.job.budget().end();
         let rmse = self.rows.last().and_then(|row| row.rmse);
         let seconds = self.wall.as_secs_f64();
         self.observer.progress(&Standing { share, seconds, spp: film.passes(), rmse });

@@ -1,4 +1,4 @@
-//! `experiment.toml`: all that an experiment depends on.
+//! What a manifest comes to: scenes that were read, methods with all settings, and what cannot be done.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -6,102 +6,48 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::estimator::Registry;
-use crate::scene::LightSelection;
 use crate::scene::description::FilmSize;
 
-use super::Subject;
+use super::entry::StringOr;
 use super::error::ExperimentError;
+use super::machine::Machine;
+use super::manifest::{Manifest, MethodEntry, SceneEntry};
 use super::method::{self, MethodKind};
 use super::mitsuba::Mitsuba;
-
-/// The first checkpoint of a timed run is not before this time \[s\].
-const FIRST_CHECKPOINT: f64 = 0.1;
-
-/// When a run ends.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Budget {
-    /// With the first pass that reaches this rendering time \[s\].
-    Seconds(f64),
-    /// After so many samples per pixel.
-    Spp(u64),
-}
-
-impl Budget {
-    /// Where errors are measured, ascending, the budget itself last. In seconds: `T 2^(−j/2)` down to 0.1 s. In samples per
-    /// pixel: the powers of two.
-    #[must_use]
-    pub fn checkpoints(self) -> Vec<f64> {
-        let mut times = match self {
-            Self::Seconds(seconds) => {
-                let time = |j: i32| seconds * libm::exp2(-0.5 * f64::from(j));
-                (0..).map(time).take_while(|&time| time >= FIRST_CHECKPOINT || time == seconds).collect::<Vec<_>>()
-            }
-            Self::Spp(spp) => {
-                let below = (0..63).map(|j| 1_u64 << j).take_while(|&power| power < spp);
-                let below: Vec<f64> = below.map(|power| power as f64).collect();
-                std::iter::once(spp as f64).chain(below.into_iter().rev()).collect()
-            }
-        };
-        times.reverse();
-        times
-    }
-}
-
-/// What the user asks for, beside scenes.
-#[derive(Clone, Debug)]
-pub struct Request {
-    /// `name:key=value:…`, of the registry or of Mitsuba.
-    pub methods: Vec<String>,
-    /// When a run ends.
-    pub budget: Budget,
-    /// The first seed.
-    pub seed: u64,
-    /// Runs of each method on each scene.
-    pub seeds: u32,
-    /// Threads that render.
-    pub threads: usize,
-    /// Longest path in edges, `Some(None)` for unlimited; `None` leaves it to each scene.
-    pub max_length: Option<Option<u32>>,
-    /// How the scenes were built.
-    pub light_selection: LightSelection,
-    /// The command line, for the record.
-    pub command: String,
-}
+use super::{Subject, files, seeds};
 
 /// A resolved experiment: with the same scenes it gives the same images, where the budget counts samples and the renderer is
 /// this one.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[derive(Clone, Debug)]
 pub struct Plan {
-    /// Version of this program.
-    pub version: String,
+    /// What was asked for, with names for all scenes and methods.
+    pub manifest: Manifest,
+    /// Methods, in the order of their runs.
+    pub methods: Vec<MethodPlan>,
+    /// Scenes, as the manifest's.
+    pub scenes: Vec<ScenePlan>,
+    /// Where errors are measured: in seconds or samples per pixel, as the budget is.
+    pub checkpoints: Vec<f64>,
     /// Versions of Mitsuba and its LLVM, where they take part.
-    #[serde(default)]
     pub mitsuba: Option<String>,
     /// The command line that asked for it.
     pub command: String,
-    /// Model of the processor.
-    pub cpu: String,
-    /// Threads that render.
-    pub threads: usize,
-    /// The first seed; see [`Plan::seed_of`].
-    pub seed: u64,
-    /// Runs of each method on each scene.
-    pub seeds: u32,
-    /// How one of several emitters is chosen. Mitsuba chooses all alike.
-    pub light_selection: LightSelection,
-    /// Methods as the user wrote them, in the order of their runs.
-    pub methods: Vec<String>,
-    /// Where errors are measured: in seconds or samples per pixel, as the budget is.
-    pub checkpoints: Vec<f64>,
-    /// When a run ends.
-    pub budget: Budget,
-    /// The scenes.
-    pub scenes: Vec<ScenePlan>,
+    /// Where it runs.
+    pub machine: Machine,
 }
 
-/// A scene of an experiment.
+/// A method of an experiment.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MethodPlan {
+    /// What it is called in every table.
+    pub label: String,
+    /// `name:key=value:…`.
+    pub text: String,
+    /// When it joined the experiment, from 0; see [`seeds`].
+    pub stream: u32,
+}
+
+/// A scene of an experiment, read.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ScenePlan {
@@ -115,9 +61,12 @@ pub struct ScenePlan {
     pub camera: String,
     /// Longest path in edges, or `none`.
     pub max_length: String,
-    /// What errors are measured against.
+    /// What errors are measured against, in words.
     #[serde(default)]
     pub reference: String,
+    /// The radiance of every pixel, red, green and blue, where it is known exactly.
+    #[serde(default)]
+    pub exact: Option<[f64; 3]>,
     /// Size of the image.
     pub film: FilmSize,
     /// Methods that cannot render it, and why.
@@ -125,6 +74,25 @@ pub struct ScenePlan {
     pub skipped: BTreeMap<String, String>,
     /// All settings of each method with the values that apply.
     pub settings: BTreeMap<String, BTreeMap<String, String>>,
+}
+
+/// What an experiment has found out about itself, for the record.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Record {
+    /// Version of this program.
+    pub version: String,
+    /// See [`Plan::mitsuba`].
+    #[serde(default)]
+    pub mitsuba: Option<String>,
+    /// See [`Plan::command`]; the latest.
+    pub command: String,
+    /// See [`Plan::checkpoints`].
+    pub checkpoints: Vec<f64>,
+    /// See [`MethodPlan::stream`].
+    pub streams: BTreeMap<String, u32>,
+    /// The scenes.
+    pub scenes: Vec<ScenePlan>,
 }
 
 impl ScenePlan {
@@ -136,86 +104,136 @@ impl ScenePlan {
 }
 
 impl Plan {
-    /// Resolves what is asked for; nothing has run when it fails.
+    /// Resolves a manifest with its scenes, in its order; nothing has run when it fails. `earlier` is what the folder holds
+    /// already: its methods keep their seeds.
     ///
     /// # Errors
     /// Where a method or setting is unknown, or something is named twice.
     pub fn resolve(
-        request: &Request,
+        mut manifest: Manifest,
         subjects: &[Subject],
         registry: &Registry,
         mitsuba: Option<&Mitsuba>,
+        earlier: Option<&Manifest>,
+        command: &str,
     ) -> Result<Self, ExperimentError> {
-        if subjects.is_empty() || request.methods.is_empty() || request.seeds == 0 {
+        if manifest.scenes.is_empty() || manifest.methods.is_empty() || manifest.seeds == 0 {
             let what = "an experiment needs at least one scene, one method and one seed";
             return Err(ExperimentError::Usage(what.into()));
         }
-        refuse_twins("method", request.methods.iter().map(String::as_str))?;
-        refuse_twins("scene", subjects.iter().map(|subject| subject.scene.name()))?;
-        let scenes = subjects.iter().map(|subject| resolve_scene(request, subject, registry, mitsuba));
+        for (StringOr(entry), subject) in manifest.scenes.iter_mut().zip(subjects) {
+            entry.name.get_or_insert_with(|| subject.scene.name().to_owned());
+        }
+        let names = manifest.scenes.iter().filter_map(|entry| entry.name.as_deref());
+        refuse_twins("scene", names)?;
+        let mut streams =
+            earlier.and_then(|earlier| earlier.record.as_ref()).map_or_else(BTreeMap::new, |r| r.streams.clone());
+        let mut methods = Vec::new();
+        for StringOr(entry) in &mut manifest.methods {
+            let label = entry.label();
+            entry.name = Some(label.clone());
+            let next = streams.values().max().map_or(0, |last| last + 1);
+            let stream = *streams.entry(label.clone()).or_insert(next);
+            methods.push(MethodPlan { label, text: entry.text(), stream });
+        }
+        refuse_twins("method", methods.iter().map(|method| method.label.as_str()))?;
+        let entries = manifest.scenes.iter().zip(subjects);
+        let scenes =
+            entries.map(|(entry, subject)| resolve_scene(&manifest, entry, subject, &methods, registry, mitsuba));
         let scenes = scenes.collect::<Result<Vec<_>, ExperimentError>>()?;
-        let has_mitsuba = request.methods.iter().any(|method| method.starts_with(method::MITSUBA));
+        let has_mitsuba = methods.iter().any(|method| method.text.starts_with(method::MITSUBA));
         Ok(Self {
-            version: env!("CARGO_PKG_VERSION").into(),
             mitsuba: mitsuba.filter(|_| has_mitsuba).map(Mitsuba::versions),
-            command: request.command.clone(),
-            cpu: cpu_model(),
-            threads: request.threads.max(1),
-            seed: request.seed,
-            seeds: request.seeds,
-            light_selection: request.light_selection,
-            methods: request.methods.clone(),
-            checkpoints: request.budget.checkpoints(),
-            budget: request.budget,
+            command: command.to_owned(),
+            machine: Machine::this(manifest.threads),
+            checkpoints: manifest.budget.checkpoints(),
+            methods,
             scenes,
+            manifest,
         })
     }
 
-    /// The seed of a repetition of a method, both counted from 0: no two runs on a scene have the same.
+    /// The seed of a repetition of a method.
     #[must_use]
-    pub fn seed_of(&self, method: usize, repetition: u32) -> u64 {
-        let run = u64::from(repetition) * self.methods.len() as u64 + method as u64;
-        self.seed.wrapping_add(run)
+    pub fn seed_of(&self, method: &MethodPlan, repetition: u32) -> u64 {
+        seeds::seed_of(self.manifest.seed, method.stream, repetition)
     }
 
-    /// As the text of `experiment.toml`.
-    ///
-    /// # Errors
-    /// Where a seed exceeds what the format can hold.
-    pub fn to_toml(&self) -> Result<String, ExperimentError> {
-        toml::to_string(self).map_err(|error| ExperimentError::Usage(format!("experiment.toml: {error}")))
-    }
-
-    /// From the text of `experiment.toml`.
-    ///
-    /// # Errors
-    /// Where it is none.
-    pub fn from_toml(text: &str) -> Result<Self, ExperimentError> {
-        toml::from_str(text).map_err(|error| ExperimentError::Scene(format!("experiment.toml: {}", error.message())))
+    /// The manifest with its record, together with all that an earlier one has besides: what `experiment.toml` holds.
+    #[must_use]
+    pub fn recorded(&self, earlier: Option<&Manifest>) -> Manifest {
+        let mut manifest = self.manifest.clone();
+        let mut record = Record {
+            version: env!("CARGO_PKG_VERSION").into(),
+            mitsuba: self.mitsuba.clone(),
+            command: self.command.clone(),
+            checkpoints: self.checkpoints.clone(),
+            streams: self.methods.iter().map(|method| (method.label.clone(), method.stream)).collect(),
+            scenes: self.scenes.clone(),
+        };
+        if let Some((earlier, old)) = earlier.and_then(|earlier| Some((earlier, earlier.record.as_ref()?))) {
+            manifest.seeds = manifest.seeds.max(earlier.seeds);
+            merge(&earlier.methods, &mut manifest.methods, |method: &MethodEntry| method.label());
+            merge(&earlier.scenes, &mut manifest.scenes, |scene: &SceneEntry| scene.name.clone().unwrap_or_default());
+            for (label, stream) in &old.streams {
+                record.streams.entry(label.clone()).or_insert(*stream);
+            }
+            record.mitsuba = record.mitsuba.or_else(|| old.mitsuba.clone());
+            for scene in &mut record.scenes {
+                if let Some(old) = old.scenes.iter().find(|old| old.name == scene.name) {
+                    let (settings, skipped) = (old.settings.clone(), old.skipped.clone());
+                    scene.settings = settings.into_iter().chain(std::mem::take(&mut scene.settings)).collect();
+                    let asked = |label: &String| self.methods.iter().any(|method| method.label == *label);
+                    scene.skipped.extend(skipped.into_iter().filter(|(label, _)| !asked(label)));
+                }
+            }
+            let missing = |old: &&ScenePlan| !self.scenes.iter().any(|scene| scene.name == old.name);
+            let mut scenes: Vec<ScenePlan> = old.scenes.iter().filter(missing).cloned().collect();
+            scenes.append(&mut record.scenes);
+            let place = |scene: &ScenePlan| manifest.scenes.iter().position(|e| e.name.as_ref() == Some(&scene.name));
+            scenes.sort_by_key(place);
+            record.scenes = scenes;
+        }
+        manifest.record = Some(record);
+        manifest
     }
 }
 
+/// Old elements first, in their order, each as the new list has it where it does.
+fn merge<T: Clone>(old: &[StringOr<T>], new: &mut Vec<StringOr<T>>, name: impl Fn(&T) -> String) {
+    let mut all = Vec::new();
+    for entry in old {
+        let known = new.iter().position(|other| name(other) == name(entry));
+        all.push(known.map_or_else(|| entry.clone(), |place| new.remove(place)));
+    }
+    all.append(new);
+    *new = all;
+}
+
 fn resolve_scene(
-    request: &Request,
+    manifest: &Manifest,
+    entry: &SceneEntry,
     subject: &Subject,
+    methods: &[MethodPlan],
     registry: &Registry,
     mitsuba: Option<&Mitsuba>,
 ) -> Result<ScenePlan, ExperimentError> {
-    let longest = request.max_length.unwrap_or(subject.scene.hints().max_length);
+    let longest = entry.max_length.or(manifest.max_length).map_or(subject.scene.hints().max_length, |length| length.0);
     let max_length = longest.map_or_else(|| "none".to_owned(), |edges| edges.to_string());
     let mut plan = ScenePlan {
-        name: subject.scene.name().into(),
+        name: entry.name.clone().unwrap_or_default(),
         file: subject.scene.source().into(),
         fingerprint: subject.fingerprint.clone(),
         camera: subject.description.sensor.as_ref().map_or_else(String::new, |sensor| sensor.name.clone()),
         max_length: max_length.clone(),
         reference: String::new(),
+        exact: None,
         film: subject.scene.sensor().film(),
         skipped: BTreeMap::new(),
         settings: BTreeMap::new(),
     };
-    for label in &request.methods {
-        let method = method::build(label, registry, &max_length)?;
+    for MethodPlan { label, text, .. } in methods {
+        let method = method::build(text, registry, &max_length)?;
         let refusal = match &method.kind {
             MethodKind::Own(integrator) => integrator.supports(&subject.scene).err(),
             MethodKind::Mitsuba(wanted) => match mitsuba {
@@ -223,11 +241,7 @@ fn resolve_scene(
                 None => Some("no Python with Mitsuba here: run scripts/setup, or name one in $PATHSPACE_PYTHON".into()),
             },
         };
-        let mut settings = method.settings;
-        if let (MethodKind::Mitsuba(wanted), Some(mitsuba)) = (&method.kind, mitsuba) {
-            settings.insert("variant".into(), mitsuba.variant(wanted).into());
-        }
-        plan.settings.insert(label.clone(), settings);
+        plan.settings.insert(label.clone(), method.settings);
         if let Some(why) = refusal {
             plan.skipped.insert(label.clone(), why);
         }
@@ -239,33 +253,13 @@ fn refuse_twins<'a>(what: &str, names: impl Iterator<Item = &'a str>) -> Result<
     let mut seen = Vec::new();
     for name in names {
         // Two names that make the same folder are twins too.
-        let folder = super::files::file_name(name);
+        let folder = files::file_name(name);
         if seen.contains(&folder) {
-            return Err(ExperimentError::Usage(format!("the {what} {name} is there twice; leave one out")));
+            let what =
+                format!("the {what} {name} is there twice; leave one out, or give it a name of its own in a manifest");
+            return Err(ExperimentError::Usage(what));
         }
         seen.push(folder);
     }
     Ok(())
-}
-
-fn cpu_model() -> String {
-    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
-    model.map_or_else(|| std::env::consts::ARCH.to_owned(), |(_, model)| model.trim().to_owned())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn checkpoints_ascend_by_root_two_to_the_budget() {
-        let times = Budget::Seconds(8.0).checkpoints();
-        assert_eq!((times.len(), times[12], times[10]), (13, 8.0, 4.0));
-        assert!(times[0] >= FIRST_CHECKPOINT && times.windows(2).all(|pair| pair[0] < pair[1]));
-        assert_eq!(Budget::Seconds(0.01).checkpoints(), [0.01]);
-        assert_eq!(Budget::Spp(12).checkpoints(), [1.0, 2.0, 4.0, 8.0, 12.0]);
-        assert_eq!(Budget::Spp(8).checkpoints(), [1.0, 2.0, 4.0, 8.0]);
-        assert_eq!(Budget::Spp(1).checkpoints(), [1.0]);
-    }
 }

@@ -2,25 +2,91 @@
 
 use std::path::{Path, PathBuf};
 
+use serde::{Deserialize, Serialize};
+use xxhash_rust::xxh3::Xxh3Default;
+
 use crate::film::Image;
-use crate::film::exr::read_exr;
-use crate::scene::description::Reference;
+use crate::film::exr::read_layers;
+use crate::report::Reference;
+use crate::scene::description;
 use crate::spectrum::Rgb;
 
 use super::Subject;
+use super::cache::{Cache, Wanted};
 use super::error::ExperimentError;
 use super::plan::ScenePlan;
 
-/// Where references come from.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum ReferenceChoice {
+/// Where a reference comes from. Written as `scene`, `none`, the name of an EXR file, or
+/// `{ method = "bdpt", seconds = 600 }`.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(try_from = "Written", into = "Written")]
+pub enum ReferencePolicy {
     /// The scene names its own.
     #[default]
     Scene,
-    /// This EXR file; that it holds paths of the right lengths is up to the user.
-    File(PathBuf),
     /// There is none: no errors are measured.
     None,
+    /// This EXR file, with the standard error in its layer `standard_error` if it has one; that it holds paths of the right
+    /// lengths is up to the user.
+    File(PathBuf),
+    /// Rendered once and kept, see [`super::cache`].
+    Rendered(RenderedReference),
+}
+
+/// A reference by a method of one's own.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RenderedReference {
+    /// `name:key=value:…` of the registry.
+    pub method: String,
+    /// Rendering time at least spent on it \[s\].
+    pub seconds: f64,
+}
+
+#[derive(Serialize, Deserialize)]
+#[serde(untagged, expecting = "expected scene, none, an EXR file, or { method = \"bdpt\", seconds = 600 }")]
+enum Written {
+    Word(String),
+    Rendered(RenderedReference),
+}
+
+impl std::str::FromStr for ReferencePolicy {
+    type Err = std::convert::Infallible;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        Ok(match text {
+            "scene" => Self::Scene,
+            "none" => Self::None,
+            file => Self::File(file.into()),
+        })
+    }
+}
+
+impl TryFrom<Written> for ReferencePolicy {
+    type Error = String;
+
+    fn try_from(written: Written) -> Result<Self, String> {
+        match written {
+            Written::Word(word) => word.parse().map_err(|error: std::convert::Infallible| match error {}),
+            Written::Rendered(rendered) if rendered.seconds > 0.0 && rendered.seconds < 1e9 => {
+                Ok(Self::Rendered(rendered))
+            }
+            Written::Rendered(rendered) => {
+                Err(format!("reference: seconds = {}: expected a time in seconds above 0", rendered.seconds))
+            }
+        }
+    }
+}
+
+impl From<ReferencePolicy> for Written {
+    fn from(policy: ReferencePolicy) -> Self {
+        match policy {
+            ReferencePolicy::Scene => Self::Word("scene".into()),
+            ReferencePolicy::None => Self::Word("none".into()),
+            ReferencePolicy::File(file) => Self::Word(file.to_string_lossy().into_owned()),
+            ReferencePolicy::Rendered(rendered) => Self::Rendered(rendered),
+        }
+    }
 }
 
 /// What the errors of a scene's images are measured against.
@@ -29,42 +95,60 @@ pub(super) struct Truth {
     /// In words.
     pub words: String,
     /// The image.
-    pub image: Option<Image>,
+    pub reference: Option<Reference>,
     /// It is known exactly, and the same in every pixel.
     pub exact: Option<Rgb>,
 }
 
-const REMEDY: &str = "give one with --reference FILE.exr, or do without errors with --reference none";
-
-/// Tells before anything runs whether the reference of a scene can be used.
-///
-/// # Errors
-/// When it cannot be read, or holds another image than the scene's is to be.
-pub fn check_reference(subject: &Subject, plan: &ScenePlan, choice: &ReferenceChoice) -> Result<(), ExperimentError> {
-    resolve(subject, plan.longest(), choice).map(drop)
+impl Truth {
+    /// A number that changes with the image.
+    pub fn fingerprint(&self) -> String {
+        let Some(Reference { mean, variance }) = &self.reference else { return "none".into() };
+        let mut hash = Xxh3Default::new();
+        for image in [Some(mean), variance.as_ref()].into_iter().flatten() {
+            for pixel in &image.pixels {
+                pixel.to_array().iter().for_each(|x| hash.update(&x.to_le_bytes()));
+            }
+        }
+        format!("{:016x}", hash.digest())
+    }
 }
 
-/// The reference of a scene for paths of at most `longest` edges.
+const REMEDY: &str = "give one with --reference FILE.exr, or do without errors with --reference none";
+
+/// The reference of a scene. Where it is to be rendered and is not there yet, `cache` renders it.
 pub(super) fn resolve(
     subject: &Subject,
-    longest: Option<u32>,
-    choice: &ReferenceChoice,
+    plan: &ScenePlan,
+    policy: &ReferencePolicy,
+    cache: &mut Cache<'_>,
 ) -> Result<Truth, ExperimentError> {
     let scene = &subject.scene;
+    let longest = plan.longest();
     let refuse = |what: String| ExperimentError::Scene(format!("{}: {what}", scene.source().display()));
     let film = scene.sensor().film();
-    match (choice, scene.reference()) {
-        (ReferenceChoice::None, _) => Ok(Truth { words: "none".into(), image: None, exact: None }),
-        (ReferenceChoice::File(file), _) => read(subject, file),
-        (ReferenceChoice::Scene, Some(Reference::Enclosure { emission, reflectance })) => {
+    match (policy, scene.reference()) {
+        (ReferencePolicy::None, _) => Ok(Truth { words: "none".into(), reference: None, exact: None }),
+        (ReferencePolicy::File(file), _) => read(subject, file),
+        (ReferencePolicy::Rendered(RenderedReference { method, seconds }), _) => {
+            let wanted = Wanted { subject, plan, method, seconds: *seconds };
+            let (reference, words) = cache.reference(&wanted)?;
+            Ok(Truth { words, reference: Some(reference), exact: None })
+        }
+        (ReferencePolicy::Scene, Some(description::Reference::Enclosure { emission, reflectance })) => {
             let exact = enclosure(*emission, *reflectance, longest);
             if !exact.is_finite() {
                 return Err(refuse(format!("the enclosure has no finite radiance without a longest path; {REMEDY}")));
             }
-            let image = Image::constant(film.width, film.height, exact)?;
-            Ok(Truth { words: "exact: the enclosure's radiance".into(), image: Some(image), exact: Some(exact) })
+            let constant = |value| Image::constant(film.width, film.height, value);
+            let reference = Reference { mean: constant(exact)?, variance: Some(constant(Rgb::BLACK)?) };
+            Ok(Truth {
+                words: "exact: the enclosure's radiance".into(),
+                reference: Some(reference),
+                exact: Some(exact),
+            })
         }
-        (ReferenceChoice::Scene, Some(Reference::Image { file, max_length })) => {
+        (ReferencePolicy::Scene, Some(description::Reference::Image { file, max_length })) => {
             if *max_length != longest {
                 let length = |length: &Option<u32>| length.map_or("none".into(), |edges: u32| edges.to_string());
                 return Err(refuse(format!(
@@ -75,24 +159,41 @@ pub(super) fn resolve(
             }
             read(subject, &scene.source().parent().unwrap_or(Path::new("")).join(file))
         }
-        (ReferenceChoice::Scene, None) => Err(refuse(format!("it names no reference; {REMEDY}"))),
+        (ReferencePolicy::Scene, None) => Err(refuse(format!("it names no reference; {REMEDY}"))),
     }
 }
 
 fn read(subject: &Subject, file: &Path) -> Result<Truth, ExperimentError> {
     let film = subject.scene.sensor().film();
-    let image = read_exr(file).map_err(|error| ExperimentError::Scene(format!("reference: {error}; {REMEDY}")))?;
-    let refuse = |what: String| Err(ExperimentError::Scene(format!("{}: {what}", file.display())));
+    let reference = read_reference(file)?;
+    let image = &reference.mean;
     if (image.width, image.height) != (film.width, film.height) {
-        return refuse(format!(
-            "the reference has {} × {} pixels and the image {} × {}; use --film {}x{}, or {REMEDY}",
-            image.width, image.height, film.width, film.height, image.width, image.height
-        ));
+        return Err(ExperimentError::Scene(format!(
+            "{}: the reference has {} × {} pixels and the image {} × {}; use --film {}x{}, or {REMEDY}",
+            file.display(),
+            image.width,
+            image.height,
+            film.width,
+            film.height,
+            image.width,
+            image.height
+        )));
     }
-    if !image.pixels.iter().all(|pixel| pixel.is_finite()) {
-        return refuse(format!("the reference holds pixels that are not finite; {REMEDY}"));
+    Ok(Truth { words: file.display().to_string(), reference: Some(reference), exact: None })
+}
+
+/// A reference with its variance, where the file has it.
+pub(super) fn read_reference(file: &Path) -> Result<Reference, ExperimentError> {
+    let failed = |error| ExperimentError::Scene(format!("reference: {error}; {REMEDY}"));
+    let mut layers = read_layers(file, |name| ["", "standard_error"].contains(&name)).map_err(failed)?.layers;
+    let refuse = |what: &str| ExperimentError::Scene(format!("{}: {what}; {REMEDY}", file.display()));
+    let mean = layers.remove("").ok_or_else(|| refuse("holds no image of channels R, G, B"))?;
+    if !mean.pixels.iter().all(|pixel| pixel.is_finite()) {
+        return Err(refuse("the reference holds pixels that are not finite"));
     }
-    Ok(Truth { words: file.display().to_string(), image: Some(image), exact: None })
+    let square = |image: Image| Image { pixels: image.pixels.iter().map(|&error| error * error).collect(), ..image };
+    let variance = layers.remove("standard_error").map(square).filter(|v| v.pixels.iter().all(|p| p.is_finite()));
+    Ok(Reference { mean, variance })
 }
 
 /// `emission Σ_{i<K} reflectance^i` for paths of at most K edges, `emission / (1 − reflectance)` without limit.

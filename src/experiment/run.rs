@@ -1,21 +1,25 @@
-//! All runs of an experiment, one after the other.
+//! All runs of an experiment that are not there yet, one after the other.
 
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use crate::estimator::Registry;
 use crate::film::{BlockStatistics, Image, RenderInfo};
-use crate::report::{Row, SummaryRow, summarise};
-use crate::scene::mitsuba::{ExportError, ExportOptions, export};
+use crate::names::did_you_mean;
+use crate::report::{Errors, Row};
+use crate::scene::mitsuba::ExportError;
+use crate::spectrum::Rgb;
 
-use super::agreement::{self, AgreementRow, Pool};
+use super::budget::Budget;
+use super::cache::{self, Cache};
 use super::error::ExperimentError;
-use super::files::{Folder, file_name};
+use super::files::Folder;
+use super::job::{Claim, Identity, RunFile, read_run};
 use super::mask;
 use super::method::{self, Method, MethodKind, MitsubaMethod};
 use super::mitsuba::{self, Mitsuba};
-use super::plan::{Plan, ScenePlan};
-use super::reference::{self, ReferenceChoice, Truth};
+use super::plan::{MethodPlan, Plan, ScenePlan};
+use super::reference::{self, Truth};
 use super::{Subject, own};
 
 /// Which run of an experiment.
@@ -23,7 +27,7 @@ use super::{Subject, own};
 pub struct RunId {
     /// Its number, from 1.
     pub number: usize,
-    /// The number of runs.
+    /// The number of runs to make.
     pub of: usize,
     /// The scene.
     pub scene: String,
@@ -48,6 +52,8 @@ pub struct Standing {
 
 /// Is told how an experiment goes on, while no clock runs.
 pub trait Observer {
+    /// So many runs were there already.
+    fn kept(&mut self, _finished: usize) {}
     /// A run begins.
     fn begin(&mut self, _run: &RunId) {}
     /// It goes on.
@@ -74,46 +80,53 @@ pub enum Unfinished {
     Failed(String),
 }
 
-/// What an experiment has found.
-#[derive(Clone, Debug)]
-pub struct Report {
-    /// What was done, with what was skipped.
-    pub plan: Plan,
-    /// All checkpoints of finished runs, by scene, method and seed.
-    pub rows: Vec<Row>,
-    /// What they say.
-    pub summary: Vec<SummaryRow>,
-    /// Whether the methods agree.
-    pub agreement: Vec<AgreementRow>,
-    /// Runs that went wrong, and why.
-    pub failed: Vec<(RunId, String)>,
-    /// The user ended it early.
-    pub stopped: bool,
-}
-
-impl Report {
-    /// Two methods estimate different images, or one misses an exact answer.
-    #[must_use]
-    pub fn differs(&self) -> bool {
-        self.agreement.iter().any(AgreementRow::differs)
-    }
-}
-
 /// A run that is about to be made.
 pub(super) struct Job<'a> {
     pub plan: &'a Plan,
     pub scene: &'a ScenePlan,
-    pub label: &'a str,
+    pub method: &'a MethodPlan,
     pub seed: u64,
     pub truth: &'a Truth,
     /// Blocks that light methods see, where those are not all.
     pub keep: Option<&'a [bool]>,
 }
 
+impl Job<'_> {
+    pub fn budget(&self) -> Budget {
+        self.plan.manifest.budget
+    }
+
+    /// The row with the errors of its image.
+    pub fn measured(&self, row: Row, image: &Image) -> Result<Row, ExperimentError> {
+        Ok(match &self.truth.reference {
+            Some(reference) => row.with_errors(&Errors::between(image, &reference.mean, None)?),
+            None => row,
+        })
+    }
+
+    fn identity(&self, method: &Method) -> Identity {
+        Identity {
+            scene: self.scene.name.clone(),
+            fingerprint: self.scene.fingerprint.clone(),
+            film: (self.scene.film.width, self.scene.film.height),
+            max_length: self.scene.max_length.clone(),
+            light_selection: self.plan.manifest.light_selection,
+            reference: self.truth.fingerprint(),
+            method: self.method.label.clone(),
+            integrator: method.name.clone(),
+            settings: method.settings.clone(),
+            seed: self.seed,
+            budget: self.budget(),
+        }
+    }
+}
+
 /// A run that was made.
+#[derive(Clone)]
 pub(super) struct Finished {
     pub rows: Vec<Row>,
-    pub image: Image,
+    /// The mean of all samples, where images are kept.
+    pub image: Option<Image>,
     pub statistics: BlockStatistics,
     pub restricted: Option<BlockStatistics>,
     /// Samples per pixel of a pass of the statistics.
@@ -128,266 +141,309 @@ pub(super) enum RunEnd {
     Stopped,
 }
 
-/// Makes all runs of a plan, and writes what it finds into `folder` as it goes. `plan` may come from
-/// [`Plan::resolve`] or from the `experiment.toml` of an earlier experiment on the same scenes.
+/// What can render.
+#[derive(Clone, Copy)]
+pub struct Renderers<'a> {
+    /// The integrators of this program.
+    pub registry: &'a Registry,
+    /// Mitsuba, where there is one.
+    pub mitsuba: Option<&'a Mitsuba>,
+}
+
+/// What became of the runs that were missing.
+#[derive(Clone, Debug, Default)]
+pub struct Made {
+    /// Runs that were made.
+    pub finished: usize,
+    /// Runs that went wrong, and why.
+    pub failed: Vec<(RunId, String)>,
+    /// Runs that other processes are making.
+    pub elsewhere: usize,
+    /// The user ended it early.
+    pub stopped: bool,
+}
+
+/// Makes the runs of a plan that `folder` does not hold yet; of these only `jobs`, written `SCENE/METHOD/SEED`, if there are any.
+/// `plan` was resolved with the manifest that the folder holds. What the runs say is for [`super::collect`] to tell.
 ///
 /// # Errors
-/// When a reference cannot be used (before anything runs), or a file cannot be written.
+/// When a reference cannot be used or a run of the folder was made otherwise (before anything runs), or a file cannot be written.
 pub fn run(
-    mut plan: Plan,
+    plan: &Plan,
     subjects: &[Subject],
-    registry: &Registry,
-    mitsuba: Option<&Mitsuba>,
-    references: &ReferenceChoice,
-    folder: Option<&Folder>,
+    renderers: Renderers<'_>,
+    folder: &Folder,
+    jobs: &[String],
     observer: &mut (dyn Observer + Send),
-) -> Result<Report, ExperimentError> {
+) -> Result<Made, ExperimentError> {
     if subjects.len() != plan.scenes.len() {
         return Err(ExperimentError::Usage("the plan has other scenes than are given".into()));
     }
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(plan.machine.threads).build();
+    let pool = pool.map_err(|error| ExperimentError::Usage(format!("threads: {error}; ask for fewer")))?;
+    let mut plan = plan.clone();
     let mut truths = Vec::new();
-    for (scene, subject) in plan.scenes.iter_mut().zip(subjects) {
-        if scene.fingerprint != subject.fingerprint || scene.film != subject.scene.sensor().film() {
-            let what = format!("{}: is not the scene that was planned; plan anew", subject.scene.source().display());
-            return Err(ExperimentError::Scene(what));
-        }
-        let truth = reference::resolve(subject, scene.longest(), references)?;
+    for ((scene, subject), entry) in plan.scenes.iter_mut().zip(subjects).zip(&plan.manifest.scenes) {
+        let policy = entry.reference.as_ref().unwrap_or(&plan.manifest.reference);
+        let registry = renderers.registry;
+        let mut cache = Cache { folder: cache::default_folder(), registry, pool: &pool, observer };
+        let truth = reference::resolve(subject, scene, policy, &mut cache)?;
         scene.reference.clone_from(&truth.words);
+        scene.exact = truth.exact.map(Rgb::to_array);
         truths.push(truth);
     }
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(plan.threads).build();
-    let pool = pool.map_err(|error| ExperimentError::Usage(format!("threads: {error}; ask for fewer")))?;
-    let mut session =
-        Session { pool, registry, mitsuba, folder, observer, rows: BTreeMap::new(), pools: BTreeMap::new() };
-    let mut report = Report {
-        rows: Vec::new(),
-        summary: Vec::new(),
-        agreement: Vec::new(),
-        failed: Vec::new(),
-        stopped: false,
-        plan,
-    };
-    session.write_plan(&report.plan)?;
-    for index in 0..subjects.len() {
-        session.scene(index, &subjects[index], &truths[index], &mut report)?;
-        if report.stopped {
-            break;
+    let mut session = Session { pool, renderers, folder, observer, plan, truths, subjects };
+    let pending = session.pending(jobs)?;
+    session.write_plan()?;
+    for (scene, truth) in session.plan.scenes.iter().zip(&session.truths) {
+        folder.write_reference(&scene.name, truth)?;
+    }
+    let made = session.all(pending)?;
+    session.write_plan()?;
+    Ok(made)
+}
+
+/// The runs of a plan that its folder does not hold, `SCENE/METHOD/SEED`.
+///
+/// # Errors
+/// When a run of the folder is damaged.
+pub fn missing(plan: &Plan, folder: &Folder) -> Result<Vec<String>, ExperimentError> {
+    let mut missing = Vec::new();
+    for run in all(plan, folder) {
+        if read_run(&run.place)?.is_none() {
+            missing.push(run.name);
         }
     }
-    report.rows = session.all_rows();
-    report.summary = summarise(&report.rows);
-    if let Some(folder) = folder {
-        folder.write_rows(&report.rows)?;
-        folder.write_summary(&report.summary)?;
-        folder.write_agreement(&report.agreement)?;
+    Ok(missing)
+}
+
+/// A run of a plan.
+struct Pending {
+    /// Place of its scene in the plan.
+    scene: usize,
+    /// Place of its method.
+    method: usize,
+    seed: u64,
+    /// `SCENE/METHOD/SEED`.
+    name: String,
+    /// Its folder.
+    place: PathBuf,
+}
+
+/// Seed by seed, the methods taking turns, so that a machine whose speed drifts is as fast for all of them.
+fn all(plan: &Plan, folder: &Folder) -> Vec<Pending> {
+    let mut runs = Vec::new();
+    for repetition in 0..plan.manifest.seeds {
+        for (scene, scene_plan) in plan.scenes.iter().enumerate() {
+            let able = |method: &&MethodPlan| !scene_plan.skipped.contains_key(&method.label);
+            for method in plan.methods.iter().filter(able) {
+                let seed = plan.seed_of(method, repetition);
+                let place = folder.run(&scene_plan.name, &method.label, seed);
+                let name = place.strip_prefix(folder.runs()).unwrap_or(&place).to_string_lossy().into_owned();
+                let method = plan.methods.iter().position(|other| other == method).unwrap_or_default();
+                runs.push(Pending { scene, method, seed, name, place });
+            }
+        }
     }
-    session.write_plan(&report.plan)?;
-    Ok(report)
+    runs
 }
 
 struct Session<'a> {
     pool: rayon::ThreadPool,
-    registry: &'a Registry,
-    mitsuba: Option<&'a Mitsuba>,
-    folder: Option<&'a Folder>,
+    renderers: Renderers<'a>,
+    folder: &'a Folder,
     observer: &'a mut (dyn Observer + Send),
-    /// Rows of each finished run, by scene, method and repetition.
-    rows: BTreeMap<(usize, usize, u32), Vec<Row>>,
-    /// By scene and method.
-    pools: BTreeMap<(usize, usize), Pool>,
+    plan: Plan,
+    truths: Vec<Truth>,
+    subjects: &'a [Subject],
 }
 
 impl Session<'_> {
-    fn all_rows(&self) -> Vec<Row> {
-        self.rows.values().flatten().cloned().collect()
+    fn write_plan(&self) -> Result<(), ExperimentError> {
+        let recorded = self.plan.recorded(self.folder.manifest()?.as_ref());
+        self.folder.write_manifest(&recorded)
     }
 
-    fn write_plan(&self, plan: &Plan) -> Result<(), ExperimentError> {
-        self.folder.map_or(Ok(()), |folder| folder.write_plan(plan))
+    fn method(&self, scene: usize, method: usize) -> Result<Method, ExperimentError> {
+        method::build(&self.plan.methods[method].text, self.renderers.registry, &self.plan.scenes[scene].max_length)
     }
 
-    /// All runs on one scene: seed by seed, the methods taking turns, so that a machine whose speed drifts is as fast for
-    /// all of them.
-    fn scene(
-        &mut self,
-        index: usize,
-        subject: &Subject,
-        truth: &Truth,
-        report: &mut Report,
-    ) -> Result<(), ExperimentError> {
-        let labels = report.plan.methods.clone();
-        let methods = labels.iter().map(|label| {
-            let settings = &report.plan.scenes[index].settings;
-            let settings = settings
-                .get(label)
-                .ok_or_else(|| ExperimentError::Usage(format!("the plan lacks the settings of {label}; plan anew")))?;
-            method::rebuild(label, settings, self.registry)
-        });
-        let methods = methods.collect::<Result<Vec<Method>, _>>()?;
-        let masked = methods.iter().any(is_light);
-        let keep = if masked { self.pool.install(|| mask::blocks_without_dirac(&subject.scene)) } else { None };
-        let mut exported = None;
-        for repetition in 0..report.plan.seeds {
-            for (number, method) in methods.iter().enumerate() {
-                let label = labels[number].as_str();
-                if report.plan.scenes[index].skipped.contains_key(label) {
+    fn job<'a>(&'a self, pending: &Pending, keep: Option<&'a [bool]>) -> Job<'a> {
+        Job {
+            plan: &self.plan,
+            scene: &self.plan.scenes[pending.scene],
+            method: &self.plan.methods[pending.method],
+            seed: pending.seed,
+            truth: &self.truths[pending.scene],
+            keep,
+        }
+    }
+
+    /// What is to be made, after a look at what is there.
+    fn pending(&mut self, jobs: &[String]) -> Result<Vec<Pending>, ExperimentError> {
+        let all = all(&self.plan, self.folder);
+        if let Some(unknown) = jobs.iter().find(|job| !all.iter().any(|run| run.name == **job)) {
+            let suggestion = did_you_mean(unknown, all.iter().map(|run| run.name.as_str()));
+            return Err(ExperimentError::Usage(format!("there is no job '{unknown}'{suggestion}")));
+        }
+        let (mut pending, mut kept) = (Vec::new(), 0);
+        for run in all.into_iter().filter(|run| jobs.is_empty() || jobs.contains(&run.name)) {
+            match read_run(&run.place)? {
+                Some(found) => self.check(&run, &found.identity)?,
+                None => {
+                    pending.push(run);
                     continue;
                 }
-                let runs = labels.len() * report.plan.seeds as usize;
+            }
+            kept += 1;
+        }
+        self.observer.kept(kept);
+        Ok(pending)
+    }
+
+    /// A run of the folder is what this plan would make.
+    fn check(&self, run: &Pending, found: &Identity) -> Result<(), ExperimentError> {
+        let wanted = self.job(run, None).identity(&self.method(run.scene, run.method)?);
+        let Some(difference) = found.difference(&wanted) else { return Ok(()) };
+        Err(ExperimentError::Scene(format!(
+            "{}: was made with {difference}; choose another folder, or --force to start anew",
+            run.place.display()
+        )))
+    }
+
+    fn all(&mut self, mut pending: Vec<Pending>) -> Result<Made, ExperimentError> {
+        let mut made = Made::default();
+        let of = pending.len();
+        let mut masks: Vec<Option<Option<Vec<bool>>>> = vec![None; self.plan.scenes.len()];
+        let mut number = 0;
+        // What others are making is looked at once more: they may have crashed.
+        for round in 0..2 {
+            let mut elsewhere = Vec::new();
+            for run in pending {
+                if self.plan.scenes[run.scene].skipped.contains_key(&self.plan.methods[run.method].label) {
+                    continue;
+                }
+                let Some(claim) = Claim::take(&run.place)? else {
+                    elsewhere.push(run);
+                    continue;
+                };
+                if read_run(&run.place)?.is_some() {
+                    continue;
+                }
+                number += 1;
+                let keep = masks[run.scene].get_or_insert_with(|| self.mask(run.scene)).clone();
                 let id = RunId {
-                    number: index * runs + repetition as usize * labels.len() + number + 1,
-                    of: runs * report.plan.scenes.len(),
-                    scene: report.plan.scenes[index].name.clone(),
-                    method: label.to_owned(),
-                    seed: report.plan.seed_of(number, repetition),
+                    number,
+                    of,
+                    scene: self.plan.scenes[run.scene].name.clone(),
+                    method: self.plan.methods[run.method].label.clone(),
+                    seed: run.seed,
                 };
-                self.observer.begin(&id);
-                let job = Job {
-                    plan: &report.plan,
-                    scene: &report.plan.scenes[index],
-                    label,
-                    seed: id.seed,
-                    truth,
-                    keep: keep.as_deref(),
-                };
-                let end = match &method.kind {
-                    MethodKind::Own(integrator) => {
-                        own::render(integrator.as_ref(), subject, &job, &self.pool, self.observer)?
-                    }
-                    MethodKind::Mitsuba(wanted) => {
-                        let known = self.pools.get(&(index, number)).map(|pool| pool.pass_spp);
-                        self.mitsuba(wanted, subject, &job, &mut exported, known)?
-                    }
-                };
-                match end {
-                    RunEnd::Finished(run) => {
-                        self.keep((index, number, repetition), &run, &job, method)?;
-                        if let Some(row) = run.rows.last() {
-                            self.observer.finished(&id, row);
-                        }
-                    }
-                    RunEnd::Stopped => {
-                        report.stopped = true;
-                        return self.conclude(index, &methods, truth, report);
-                    }
-                    RunEnd::Unsupported(why) => {
-                        self.observer.unfinished(&id, &Unfinished::Unsupported(why.clone()));
-                        report.plan.scenes[index].skipped.insert(label.to_owned(), why);
-                        self.write_plan(&report.plan)?;
-                    }
-                    RunEnd::Failed(why) => {
-                        self.observer.unfinished(&id, &Unfinished::Failed(why.clone()));
-                        report.failed.push((id, why));
-                    }
+                self.one(&run, &id, claim, keep.as_deref(), &mut made)?;
+                if made.stopped {
+                    return Ok(made);
                 }
             }
+            if round == 1 {
+                made.elsewhere = elsewhere.len();
+            }
+            pending = elsewhere;
         }
-        self.conclude(index, &methods, truth, report)
+        Ok(made)
     }
 
-    /// Remembers and writes a finished run.
-    fn keep(
+    /// Where light methods do not see, if one takes part.
+    fn mask(&self, scene: usize) -> Option<Vec<bool>> {
+        let is_light = |method: &MethodPlan| mask::LIGHT_METHODS.contains(&method::name_of(&method.text));
+        let masked = self.plan.methods.iter().any(is_light);
+        masked.then(|| self.pool.install(|| mask::blocks_without_dirac(&self.subjects[scene].scene))).flatten()
+    }
+
+    fn one(
         &mut self,
-        place: (usize, usize, u32),
-        run: &Finished,
-        job: &Job<'_>,
-        method: &Method,
+        run: &Pending,
+        id: &RunId,
+        claim: Claim,
+        keep: Option<&[bool]>,
+        made: &mut Made,
     ) -> Result<(), ExperimentError> {
-        self.rows.insert(place, run.rows.clone());
-        self.pools.entry((place.0, place.1)).or_insert_with(|| Pool::new(run)).add(run);
-        let (Some(folder), Some(row)) = (self.folder, run.rows.last()) else { return Ok(()) };
-        folder.write_rows(&self.all_rows())?;
-        let info = RenderInfo {
-            scene: job.scene.name.clone(),
-            integrator: method.name.clone(),
-            settings: serde_json::json!(method.settings),
-            seed: job.seed,
-            render_seconds: row.render_seconds,
-            cpu_seconds: row.cpu_seconds.unwrap_or(0.0),
-            version: env!("CARGO_PKG_VERSION").into(),
+        self.observer.begin(id);
+        let method = self.method(run.scene, run.method)?;
+        let subject = &self.subjects[run.scene];
+        let job = Job {
+            plan: &self.plan,
+            scene: &self.plan.scenes[run.scene],
+            method: &self.plan.methods[run.method],
+            seed: run.seed,
+            truth: &self.truths[run.scene],
+            keep,
         };
-        folder.write_image(&run.image, job.label, &info, row.spp)
-    }
-
-    /// Tests the finished runs of a scene against each other, and writes their mean images.
-    fn conclude(
-        &mut self,
-        index: usize,
-        methods: &[Method],
-        truth: &Truth,
-        report: &mut Report,
-    ) -> Result<(), ExperimentError> {
-        let scene = report.plan.scenes[index].name.clone();
-        let labels = &report.plan.methods;
-        let pools: Vec<(usize, &Pool)> =
-            (0..methods.len()).filter_map(|number| Some((number, self.pools.get(&(index, number))?))).collect();
-        for &(number, pool) in &pools {
-            if let Some(folder) = self.folder {
-                folder.write_mean(&pool.mean_image(), &scene, &labels[number])?;
+        let end = match &method.kind {
+            MethodKind::Own(integrator) => own::render(integrator.as_ref(), subject, &job, &self.pool, self.observer)?,
+            MethodKind::Mitsuba(wanted) => {
+                mitsuba_run(self.renderers.mitsuba, wanted, self.folder, subject, &job, claim.scratch(), self.observer)?
             }
-            if let Some(exact) = truth.exact {
-                let light = is_light(&methods[number]);
-                report.agreement.extend(agreement::with_exact(&scene, &labels[number], pool, exact, light)?);
-            }
-        }
-        let is_base = |number: usize| matches!(methods[number].kind, MethodKind::Mitsuba(_));
-        let (mut bases, mut others): (Vec<_>, Vec<_>) = pools.iter().partition(|(number, _)| is_base(*number));
-        if bases.is_empty() && !others.is_empty() {
-            bases.push(others.remove(0));
-        }
-        // Where the first one decides nothing, because its passes are heavy-tailed, the next may.
-        for (i, &(base, base_pool)) in bases.iter().enumerate() {
-            let mut open = Vec::new();
-            let later = if i == 0 { &bases[1..] } else { &[] };
-            for &(number, pool) in others.iter().chain(later) {
-                let light = is_light(&methods[number]) || is_light(&methods[base]);
-                let names = (scene.as_str(), labels[number].as_str(), labels[base].as_str());
-                let row = agreement::between(names, pool, base_pool, light)?;
-                if row.as_ref().is_some_and(AgreementRow::is_undecided) && !is_base(number) {
-                    open.push((number, pool));
+        };
+        match end {
+            RunEnd::Finished(mut finished) => {
+                if !self.plan.manifest.images {
+                    finished.image = None;
                 }
-                report.agreement.extend(row);
+                let info = info(&job, &method, &finished);
+                claim.finish(job.identity(&method), self.plan.machine.clone(), &finished, &info)?;
+                made.finished += 1;
+                if let Some(row) = finished.rows.last() {
+                    self.observer.finished(id, row);
+                }
             }
-            others = open;
-            if others.is_empty() {
-                break;
+            RunEnd::Stopped => made.stopped = true,
+            RunEnd::Unsupported(why) => {
+                self.observer.unfinished(id, &Unfinished::Unsupported(why.clone()));
+                self.plan.scenes[run.scene].skipped.insert(id.method.clone(), why);
+                self.write_plan()?;
             }
-        }
-        if let Some(folder) = self.folder {
-            folder.write_agreement(&report.agreement)?;
+            RunEnd::Failed(why) => {
+                self.observer.unfinished(id, &Unfinished::Failed(why.clone()));
+                made.failed.push((id.clone(), why));
+            }
         }
         Ok(())
     }
+}
 
-    fn mitsuba(
-        &mut self,
-        wanted: &MitsubaMethod,
-        subject: &Subject,
-        job: &Job<'_>,
-        exported: &mut Option<PathBuf>,
-        pass_spp: Option<u64>,
-    ) -> Result<RunEnd, ExperimentError> {
-        let (Some(mitsuba), Some(folder)) = (self.mitsuba, self.folder) else {
-            return Ok(RunEnd::Unsupported("Mitsuba needs a Python and a folder to write into".into()));
-        };
-        let folder = folder.mitsuba(&job.scene.name);
-        let file = match exported {
-            Some(file) => file.clone(),
-            None => {
-                let options =
-                    ExportOptions { film: job.scene.film, max_length: job.scene.longest(), ..ExportOptions::default() };
-                match export(&subject.description, &options, &folder) {
-                    Ok(file) => exported.insert(file).clone(),
-                    Err(error @ ExportError::Unsupported { .. }) => return Ok(RunEnd::Unsupported(error.to_string())),
-                    Err(error) => return Err(error.into()),
-                }
-            }
-        };
-        let run = folder.join(file_name(job.label)).join(format!("seed_{}", job.seed));
-        mitsuba::render(mitsuba, wanted, job, &file, &run, pass_spp, self.observer)
+fn info(job: &Job<'_>, method: &Method, run: &Finished) -> RenderInfo {
+    let last = run.rows.last();
+    RenderInfo {
+        scene: job.scene.name.clone(),
+        integrator: method.name.clone(),
+        settings: serde_json::json!(method.settings),
+        seed: job.seed,
+        render_seconds: last.map_or(0.0, |row| row.render_seconds),
+        cpu_seconds: last.and_then(|row| row.cpu_seconds).unwrap_or(0.0),
+        version: env!("CARGO_PKG_VERSION").into(),
     }
 }
 
-fn is_light(method: &Method) -> bool {
-    mask::LIGHT_METHODS.contains(&method.name.as_str())
+fn mitsuba_run(
+    mitsuba: Option<&Mitsuba>,
+    wanted: &MitsubaMethod,
+    folder: &Folder,
+    subject: &Subject,
+    job: &Job<'_>,
+    scratch: &Path,
+    observer: &mut (dyn Observer + Send),
+) -> Result<RunEnd, ExperimentError> {
+    let Some(mitsuba) = mitsuba else {
+        return Ok(RunEnd::Unsupported("there is no Python with Mitsuba".into()));
+    };
+    let file = match folder.mitsuba(job.scene, &subject.description) {
+        Ok(file) => file,
+        Err(error @ ExportError::Unsupported { .. }) => return Ok(RunEnd::Unsupported(error.to_string())),
+        Err(error) => return Err(error.into()),
+    };
+    // Passes of all seeds are replicates of each other, so what the first has calibrated is kept.
+    let runs = scratch.parent().and_then(|runs| fs::read_dir(runs).ok()).into_iter().flatten().flatten();
+    let alike = |run: &RunFile| run.machine.hardware == job.plan.machine.hardware;
+    let pass_spp = runs.filter_map(|run| read_run(&run.path()).ok()?).find(alike).map(|run| run.pass_spp);
+    mitsuba::render(mitsuba, wanted, job, &file, &scratch.join("mitsuba"), pass_spp, observer)
 }

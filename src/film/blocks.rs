@@ -5,15 +5,20 @@
 
 use crate::spectrum::Rgb;
 
+use serde::{Deserialize, Serialize};
+
 use super::error::FilmError;
-use super::image::pixel_count;
+use super::image::{Image, pixel_count};
 use super::moments::Moments;
+
+/// A reference's error is known as if from so many passes: its Student distribution is the normal one.
+const AS_IF_PASSES: u64 = 1 << 24;
 
 /// Side of a block in pixels; the last blocks of a row or column may be smaller.
 pub const BLOCK_SIDE: u32 = 16;
 
 /// How an image is cut into blocks, and how many pixels count in each.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct BlockGrid {
     width: u32,
     height: u32,
@@ -101,7 +106,7 @@ impl BlockGrid {
 }
 
 /// Moments over passes of the mean value of each block and of the whole image.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BlockStatistics {
     pub(super) grid: BlockGrid,
     pub(super) blocks: Vec<[Moments; 3]>,
@@ -139,6 +144,60 @@ impl BlockStatistics {
             pass.clear();
             pass.extend(numbers.chunks_exact(3).map(|c| Rgb::new(c[0], c[1], c[2])));
             statistics.add_pass(&pass)?;
+        }
+        Ok(statistics)
+    }
+
+    /// Of a mean image and the variance of each of its pixels, as if from many passes. Pixels count as independent; the
+    /// luminance's error as if channels erred together. A pixel's third moment is taken for that of a single outlier, `v^(3/2)`:
+    /// a block whose variance is that of few pixels is as heavy-tailed as they may be.
+    ///
+    /// # Errors
+    /// When an image has another size than the grid.
+    pub fn of_reference(grid: BlockGrid, mean: &Image, variance: &Image) -> Result<Self, FilmError> {
+        let pixels = grid.width as usize * grid.height as usize;
+        for image in [mean, variance] {
+            if image.pixels.len() != pixels {
+                return Err(FilmError::Count { what: "pixels", expected: pixels, found: image.pixels.len() });
+            }
+        }
+        // Of each block and of the image: pixels, and sums of value, variance, variance^(3/2) for r, g, b, luminance.
+        let mut sums = vec![[[0.0; 3]; 4]; grid.len() + 1];
+        for index in 0..pixels {
+            let block = grid.block_of(index as u32 % grid.width, index as u32 / grid.width);
+            if grid.pixels[block] == 0 {
+                continue;
+            }
+            let (value, error) = (mean.pixels[index], variance.pixels[index].map(f64::sqrt));
+            let values = [value.r, value.g, value.b, value.luminance()];
+            let errors = [error.r, error.g, error.b, error.luminance()];
+            for place in [block, grid.len()] {
+                for (sum, (value, error)) in sums[place].iter_mut().zip(values.into_iter().zip(errors)) {
+                    let [first, second, third] = sum;
+                    *first += value;
+                    *second += error * error;
+                    *third += error * error * error;
+                }
+            }
+        }
+        let moments = |[first, second, third]: [f64; 3], pixels: f64| {
+            let (mean, count) = (first / pixels, AS_IF_PASSES as f64);
+            Moments {
+                count: AS_IF_PASSES,
+                mean,
+                second: second / (pixels * pixels) * count * (count - 1.0),
+                third: third / (pixels * pixels * pixels) * count * count * count,
+                largest: mean.abs(),
+            }
+        };
+        let mut statistics = Self::new(grid);
+        let total: f64 = statistics.grid.pixels.iter().map(|&pixels| f64::from(pixels)).sum();
+        let image = sums.pop().unwrap_or_default();
+        statistics.image = image.map(|sum| moments(sum, total));
+        for ((block, sum), &pixels) in statistics.blocks.iter_mut().zip(sums).zip(&statistics.grid.pixels) {
+            if pixels > 0 {
+                *block = [0, 1, 2].map(|channel| moments(sum[channel], f64::from(pixels)));
+            }
         }
         Ok(statistics)
     }
@@ -223,6 +282,23 @@ mod tests {
         let mut statistics = BlockStatistics::new(grid);
         statistics.add_pass(&[Rgb::grey(1.0), Rgb::grey(18.0)]).unwrap();
         assert!((statistics.image()[3].mean - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_reference_has_the_variance_of_its_pixels_and_a_firefly_makes_its_block_heavy() {
+        let grid = BlockGrid::new(32, 16, None).unwrap();
+        let mean = Image::constant(32, 16, Rgb::new(1.0, 2.0, 3.0)).unwrap();
+        let mut variance = Image::constant(32, 16, Rgb::grey(0.04)).unwrap();
+        variance.pixels[20].r = 4e4;
+        let statistics = BlockStatistics::of_reference(grid, &mean, &variance).unwrap();
+        let [calm, wild] = [0, 1].map(|block| statistics.blocks()[block][0]);
+        let close = |found: f64, expected: f64| assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+        close(calm.variance_of_mean(), 0.04 / 256.0);
+        close(statistics.blocks()[1][2].variance_of_mean(), 0.04 / 256.0);
+        let skewness = |m: Moments| m.third_of_mean() / m.variance_of_mean().powf(1.5);
+        close(skewness(calm), 1.0 / 16.0);
+        assert!(skewness(wild) > 0.99);
+        assert_eq!((calm.mean, statistics.image()[2].mean), (1.0, 3.0));
     }
 
     #[test]

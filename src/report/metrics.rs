@@ -21,6 +21,15 @@ use super::error::ReportError;
 /// The constant of relMSE \[radiance²\].
 pub const RELMSE_EPSILON: f64 = 0.01;
 
+/// What images are measured against.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reference {
+    /// The image.
+    pub mean: Image,
+    /// Squared standard error of each pixel, where it is known.
+    pub variance: Option<Image>,
+}
+
 /// The metrics of one image. All are NaN where no pixel is left, the mean ratio also over a black reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {

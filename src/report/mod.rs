@@ -13,7 +13,7 @@ mod table;
 
 pub use agreement::{Agreement, AgreementSettings, Verdict};
 pub use error::ReportError;
-pub use metrics::Errors;
+pub use metrics::{Errors, Reference};
 pub use rows::Row;
 pub use summary::{SummaryRow, summarise};
 pub(crate) use table::cut;

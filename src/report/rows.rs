@@ -22,6 +22,12 @@ pub struct Row {
     pub method: String,
     /// The program that ran it, with version and variant.
     pub renderer: String,
+    /// Processor model and threads.
+    #[serde(default)]
+    pub hardware: String,
+    /// Host.
+    #[serde(default)]
+    pub host: String,
     /// Seed of the random numbers.
     pub seed: u64,
     /// Threads that rendered.

@@ -3,13 +3,18 @@
 use std::fs;
 use std::path::Path;
 
-use pathspace::estimator::{Entry, Estimator, Integrator, Registry, Settings, Sink, Term};
-use pathspace::experiment::{Budget, Folder, Plan, ReferenceChoice, Report, Request, Subject, run};
+use pathspace::estimator::{Control, Entry, Estimator, Integrator, Registry, Settings, Sink, Term};
+use pathspace::experiment::manifest::MaxLength;
+use pathspace::experiment::{
+    Budget, ExperimentError, Folder, Manifest, Plan, ReferencePolicy, Renderers, Report, SceneEntry, Subject, collect,
+    missing, run,
+};
+use pathspace::film::{Film, RenderInfo, write_image};
 use pathspace::path::Path as LightPath;
 use pathspace::sampler::{Random, Tracer};
+use pathspace::scene::SceneDescription;
 use pathspace::scene::description::{FilmSize, Reference};
 use pathspace::scene::sensor::Pixel;
-use pathspace::scene::{LightSelection, SceneDescription};
 use pathspace::spectrum::Rgb;
 use pathspace::testing::scenes;
 use pathspace_path::PathTracer;
@@ -61,23 +66,28 @@ fn subject(description: SceneDescription) -> Subject {
     Subject { scene, description, fingerprint: "it".into(), load_seconds: 0.5, build_seconds: 0.25 }
 }
 
-fn request(methods: &[&str], spp: u64) -> Request {
-    Request {
-        methods: methods.iter().map(|&method| method.to_owned()).collect(),
-        budget: Budget::Spp(spp),
-        seed: 1,
-        seeds: 2,
-        threads: 2,
-        max_length: Some(Some(6)),
-        light_selection: LightSelection::Power,
-        command: "a test".into(),
-    }
+fn manifest(methods: &[&str], spp: u64, reference: ReferencePolicy) -> Manifest {
+    let mut manifest = Manifest::new(vec![SceneEntry::default()], methods.iter().copied());
+    manifest.budget = Budget::Spp(spp);
+    manifest.threads = 2;
+    manifest.max_length = Some(MaxLength(Some(6)));
+    manifest.reference = reference;
+    manifest
 }
 
-fn experiment(description: SceneDescription, methods: &[&str], spp: u64, reference: &ReferenceChoice) -> Report {
-    let subjects = [subject(description)];
-    let plan = Plan::resolve(&request(methods, spp), &subjects, &registry(), None).unwrap();
-    run(plan, &subjects, &registry(), None, reference, None, &mut ()).unwrap()
+/// Makes what is missing in a folder, and its tables.
+fn complete(folder: &Path, manifest: Manifest, description: &SceneDescription) -> Result<Report, ExperimentError> {
+    let subjects = [subject(description.clone())];
+    let folder = Folder::open(folder, false)?;
+    let plan = Plan::resolve(manifest, &subjects, &registry(), None, folder.manifest()?.as_ref(), "a test")?;
+    let made = run(&plan, &subjects, Renderers { registry: &registry(), mitsuba: None }, &folder, &[], &mut ())?;
+    assert!(made.failed.is_empty() && !made.stopped && made.elsewhere == 0);
+    collect(&folder)
+}
+
+fn experiment(description: &SceneDescription, methods: &[&str], spp: u64, reference: ReferencePolicy) -> Report {
+    let folder = tempfile::tempdir().unwrap();
+    complete(folder.path(), manifest(methods, spp, reference), description).unwrap()
 }
 
 fn verdicts(report: &Report) -> Vec<(&str, &str, &str)> {
@@ -86,7 +96,7 @@ fn verdicts(report: &Report) -> Vec<(&str, &str, &str)> {
 
 #[test]
 fn methods_that_estimate_the_same_image_agree_and_meet_the_exact_answer() {
-    let report = experiment(enclosure(), &["path", "path_bsdf", "light"], 128, &ReferenceChoice::Scene);
+    let report = experiment(&enclosure(), &["path", "path_bsdf", "light"], 128, ReferencePolicy::Scene);
     let expected = [
         ("path", "exact", "agree"),
         ("path_bsdf", "exact", "agree"),
@@ -95,18 +105,18 @@ fn methods_that_estimate_the_same_image_agree_and_meet_the_exact_answer() {
         ("light", "path", "agree"),
     ];
     assert_eq!(verdicts(&report), expected);
-    assert!(!report.differs() && report.failed.is_empty() && !report.stopped);
+    assert!(!report.differs() && report.missing == 0);
 }
 
 /// Its power is all but one: 2 % is over ten standard errors of the image's mean.
 #[test]
 fn a_bias_of_two_percent_differs_from_other_methods_and_from_the_exact_answer() {
-    let report = experiment(enclosure(), &["path", "biased"], 128, &ReferenceChoice::Scene);
+    let report = experiment(&enclosure(), &["path", "biased"], 128, ReferencePolicy::Scene);
     let expected = [("path", "exact", "agree"), ("biased", "exact", "differ"), ("biased", "path", "differ")];
     assert_eq!(verdicts(&report), expected);
     assert!(report.differs());
     let room = scenes::room(FilmSize { width: 32, height: 32 });
-    let report = experiment(room, &["path", "biased"], 256, &ReferenceChoice::None);
+    let report = experiment(&room, &["path", "biased"], 256, ReferencePolicy::None);
     assert_eq!(verdicts(&report), [("biased", "path", "differ")]);
     assert!(report.rows.iter().all(|row| row.mse.is_none()));
 }
@@ -120,7 +130,7 @@ fn light_tracing_agrees_where_glass_is_seen_because_those_blocks_are_left_out_fo
     let centre = glam::DVec3::new(-0.05, 0.0, 0.0);
     let ball = pathspace::scene::description::Sphere { name: "ball".into(), centre, radius: 0.1, material: 1 };
     description.spheres.push(ball);
-    let report = experiment(description, &["path", "light", "path_bsdf"], 128, &ReferenceChoice::None);
+    let report = experiment(&description, &["path", "light", "path_bsdf"], 128, ReferencePolicy::None);
     assert_eq!(verdicts(&report), [("light", "path", "agree"), ("path_bsdf", "path", "agree")]);
     let masked: Vec<usize> = report.agreement.iter().map(|row| row.blocks_masked).collect();
     assert!(masked[0] > 0 && masked[0] < 10 && masked[1] == 0, "{masked:?}");
@@ -140,51 +150,125 @@ const REPEATED: [&str; 9] = ["scene", "method", "seed", "checkpoint", "spp", "ra
 #[test]
 fn the_written_experiment_repeats_the_same_bits_on_other_threads() {
     let temporary = tempfile::tempdir().unwrap();
-    let subjects = [subject(enclosure())];
     let methods = ["path:roulette=off", "light:heuristic=power:exponent=3"];
-    let plan = Plan::resolve(&request(&methods, 5), &subjects, &registry(), None).unwrap();
     let first = temporary.path().join("first");
-    let folder = Folder::create(&first, false, true).unwrap();
-    run(plan, &subjects, &registry(), None, &ReferenceChoice::Scene, Some(&folder), &mut ()).unwrap();
+    complete(&first, manifest(&methods, 5, ReferencePolicy::Scene), &enclosure()).unwrap();
 
-    let text = fs::read_to_string(first.join("experiment.toml")).unwrap();
-    let mut plan = Plan::from_toml(&text).unwrap();
-    assert_eq!(plan.scenes[0].settings[methods[1]]["exponent"], "3");
-    plan.threads = 1;
+    let mut again = Manifest::read(&first.join("experiment.toml")).unwrap();
+    let record = again.record.as_ref().unwrap();
+    assert_eq!(record.scenes[0].settings[methods[1]]["exponent"], "3");
+    again.threads = 1;
     let second = temporary.path().join("second");
-    let folder = Folder::create(&second, false, true).unwrap();
-    run(plan, &subjects, &registry(), None, &ReferenceChoice::Scene, Some(&folder), &mut ()).unwrap();
+    complete(&second, again, &enclosure()).unwrap();
     let rows = cells(&first, &REPEATED);
     assert_eq!(rows, cells(&second, &REPEATED));
     let spp: Vec<&str> = rows[..4].iter().map(|row| row[4].as_str()).collect();
     assert_eq!(spp, ["1", "2", "4", "5"]);
     let seeds: Vec<&str> = rows.iter().step_by(4).map(|row| row[2].as_str()).collect();
     assert_eq!(seeds, ["1", "3", "2", "4"]);
-
     for method in ["path_roulette_off", "light_heuristic_power_exponent_3"] {
-        assert!(first.join(format!("images/enclosure/{method}/mean.png")).is_file());
+        assert!(first.join(format!("images/enclosure/{method}.png")).is_file());
+        assert!(first.join(format!("images/enclosure/{method}.exr")).is_file());
     }
-    assert!(matches!(Folder::create(&first, false, true), Err(error) if error.to_string().contains("--force")));
     fs::write(first.join("mine.txt"), "kept").unwrap();
-    Folder::create(&first, true, true).unwrap();
-    assert!(!first.join("rows.csv").exists() && !first.join("images").exists() && first.join("mine.txt").exists());
+    Folder::open(&first, true).unwrap();
+    assert!(!first.join("rows.csv").exists() && !first.join("runs").exists() && first.join("mine.txt").exists());
+}
+
+#[test]
+fn an_experiment_grows_by_seeds_and_methods_and_keeps_what_is_there() {
+    let temporary = tempfile::tempdir().unwrap();
+    let of = |methods: &[&str]| manifest(methods, 3, ReferencePolicy::Scene);
+    complete(temporary.path(), of(&["path"]), &enclosure()).unwrap();
+    let before = cells(temporary.path(), &["seed", "render_seconds"]);
+    let mut more = of(&["light", "path"]);
+    more.seeds = 3;
+    let report = complete(temporary.path(), more.clone(), &enclosure()).unwrap();
+    assert_eq!((report.missing, report.summary.len()), (0, 2));
+    let after = cells(temporary.path(), &["seed", "render_seconds"]);
+    assert_eq!(before, after[..before.len()], "the same runs, not others with the same seeds");
+    assert_eq!(after.len(), before.len() / 2 * 6);
+
+    // All at once gives the same.
+    let other = tempfile::tempdir().unwrap();
+    let mut at_once = of(&["path", "light"]);
+    at_once.seeds = 3;
+    complete(other.path(), at_once, &enclosure()).unwrap();
+    assert_eq!(cells(temporary.path(), &REPEATED), cells(other.path(), &REPEATED));
+
+    // Fewer methods than there are: the tables still tell of all.
+    let report = complete(temporary.path(), of(&["light"]), &enclosure()).unwrap();
+    assert_eq!((report.missing, report.summary.len()), (0, 2));
+
+    let refused = |manifest: Manifest, part: &str| {
+        let error = complete(temporary.path(), manifest, &enclosure()).unwrap_err().to_string();
+        assert!(error.contains(part) && error.contains("--force"), "{error}");
+    };
+    refused(manifest(&["path"], 4, ReferencePolicy::Scene), "budget { spp = 3 }, not { spp = 4 }");
+    refused(manifest(&["path"], 3, ReferencePolicy::None), "reference");
+    let mut other_settings = of(&["path:roulette=off"]);
+    other_settings.methods[0].0.name = Some("path".into());
+    refused(other_settings, "settings");
+}
+
+#[test]
+fn half_a_run_does_not_count_and_a_damaged_one_is_told() {
+    let temporary = tempfile::tempdir().unwrap();
+    let of = || manifest(&["path"], 3, ReferencePolicy::Scene);
+    complete(temporary.path(), of(), &enclosure()).unwrap();
+    let rows = cells(temporary.path(), &REPEATED);
+    let run = temporary.path().join("runs/enclosure/path/1");
+    // As a process leaves it that was killed while it wrote.
+    let part = temporary.path().join("runs/enclosure/path/.1.part");
+    fs::rename(&run, &part).unwrap();
+    fs::remove_file(part.join("run.json")).unwrap();
+    let subjects = [subject(enclosure())];
+    let folder = Folder::open(temporary.path(), false).unwrap();
+    let plan = Plan::resolve(of(), &subjects, &registry(), None, None, "a test").unwrap();
+    assert_eq!(missing(&plan, &folder).unwrap(), ["enclosure/path/1"]);
+    assert_eq!(collect(&folder).unwrap().missing, 1);
+    complete(temporary.path(), of(), &enclosure()).unwrap();
+    assert_eq!(cells(temporary.path(), &REPEATED), rows);
+    assert!(!part.exists());
+    fs::write(run.join("run.json"), "{").unwrap();
+    let error = complete(temporary.path(), of(), &enclosure()).unwrap_err().to_string();
+    assert!(error.contains("run.json") && error.contains("remove"), "{error}");
+}
+
+/// 2 % are over five standard errors of the image's mean, the reference's included.
+#[test]
+fn a_biased_method_is_named_beside_a_reference_that_is_an_image_with_its_error() {
+    let (temporary, room) = (tempfile::tempdir().unwrap(), scenes::room(FilmSize { width: 32, height: 32 }));
+    let scene = scenes::build(&room);
+    let mut film = Film::new(32, 32, None).unwrap();
+    let path = registry().build("path", &[("max_length", "6".to_owned())]).unwrap();
+    path.integrator.render(&scene, 1 << 60, &mut film, &mut Passes(4096));
+    let file = temporary.path().join("reference.exr");
+    write_image(&file, &film, &RenderInfo::default(), 0.0).unwrap();
+    let report = experiment(&room, &["path", "biased"], 1024, ReferencePolicy::File(file));
+    let against: Vec<_> = verdicts(&report).into_iter().filter(|(_, against, _)| *against == "reference").collect();
+    assert_eq!(against, [("path", "reference", "agree"), ("biased", "reference", "differ")]);
+}
+
+struct Passes(u64);
+
+impl Control for Passes {
+    fn next_passes(&mut self, film: &Film) -> u64 {
+        self.0 - film.passes()
+    }
 }
 
 #[test]
 fn the_tables_have_the_columns_that_are_documented() {
     let temporary = tempfile::tempdir().unwrap();
-    let subjects = [subject(enclosure())];
-    let plan = Plan::resolve(&request(&["path"], 2), &subjects, &registry(), None).unwrap();
-    let folder = Folder::create(temporary.path(), false, false).unwrap();
-    run(plan, &subjects, &registry(), None, &ReferenceChoice::Scene, Some(&folder), &mut ()).unwrap();
+    let mut few = manifest(&["path"], 2, ReferencePolicy::Scene);
+    few.images = false;
+    complete(temporary.path(), few, &enclosure()).unwrap();
     let header =
         |file: &str| fs::read_to_string(temporary.path().join(file)).unwrap().lines().next().unwrap().to_owned();
-    let rows = "scene,method,renderer,seed,threads,checkpoint,spp,render_seconds,cpu_seconds,setup_seconds,rays,mse,rmse,\
-                relmse,smape,mean_ratio,invalid,";
-    assert!(header("rows.csv").starts_with(rows));
-    assert!(header("summary.csv").starts_with("scene,method,renderer,seeds,"));
-    assert!(header("agreement.csv").starts_with("scene,method,against,verdict,image_difference,image_error,"));
+    assert!(header("agreement.csv").starts_with("schema,scene,method,against,verdict,image_difference,image_error,"));
     assert!(!temporary.path().join("images").exists());
+    assert!(!temporary.path().join("runs/enclosure/path/1/image.exr").exists());
     let apart = cells(temporary.path(), &["load_seconds", "setup_seconds", "renderer"]);
     assert!(apart.iter().all(|row| row[0] == "0.5" && row[1] == "0.25" && row[2].starts_with("pathspace ")));
 }
@@ -192,7 +276,9 @@ fn the_tables_have_the_columns_that_are_documented() {
 #[test]
 fn what_makes_no_sense_is_refused_before_anything_runs() {
     let subjects = [subject(enclosure())];
-    let resolve = |methods: &[&str]| Plan::resolve(&request(methods, 2), &subjects, &registry(), None);
+    let resolve = |methods: &[&str]| {
+        Plan::resolve(manifest(methods, 2, ReferencePolicy::Scene), &subjects, &registry(), None, None, "a test")
+    };
     for methods in [&["pth"][..], &["path:roulete=off"], &["path", "path"], &["mitsuba:bdpt"], &[]] {
         assert!(resolve(methods).is_err_and(|error| error.is_usage()), "{methods:?}");
     }
@@ -201,14 +287,43 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
 
     let mut lengths = scenes::room(FilmSize { width: 8, height: 8 });
     let refused = |description: &SceneDescription, part: &str| {
-        let subjects = [subject(description.clone())];
-        let plan = Plan::resolve(&request(&["path"], 2), &subjects, &registry(), None).unwrap();
-        let error = run(plan, &subjects, &registry(), None, &ReferenceChoice::Scene, None, &mut ()).unwrap_err();
+        let folder = tempfile::tempdir().unwrap();
+        let error = complete(folder.path(), manifest(&["path"], 2, ReferencePolicy::Scene), description).unwrap_err();
         assert!(error.to_string().contains(part) && error.to_string().contains("--reference none"), "{error}");
+        assert!(!folder.path().join("experiment.toml").exists());
     };
     refused(&lengths, "names no reference");
     lengths.reference = Some(Reference::Image { file: "none.exr".into(), max_length: None });
     refused(&lengths, "--max-length none");
     lengths.reference = Some(Reference::Image { file: "none.exr".into(), max_length: Some(6) });
     refused(&lengths, "none.exr");
+}
+
+#[test]
+fn a_manifest_names_the_place_and_the_nearest_valid_name() {
+    let whole = r#"
+        scenes = ["box", { file = "hall.gltf", name = "hall", film = "8x8", max_length = 3, reference = "none" }]
+        methods = ["path", { name = "power", integrator = "bdpt", settings = { heuristic = "power", exponent = 3 } }]
+        max_length = "none"
+        reference = { method = "bdpt", seconds = 5 }
+        budget = { error = { metric = "relmse", target = 0.01, seconds = 5 } }
+    "#;
+    let manifest = Manifest::parse(whole).unwrap();
+    assert_eq!(manifest.methods[1].text(), "bdpt:exponent=3:heuristic=power");
+    assert_eq!(manifest.scenes[0].file, Path::new("box"));
+    assert_eq!(Manifest::parse(&toml::to_string(&manifest).unwrap()).unwrap(), manifest);
+    for (from, to, parts) in [
+        ("max_length = \"none\"", "max_lenght = 1", ["line 4", "did you mean 'max_length'"]),
+        ("film = \"8x8\"", "fim = \"8x8\"", ["line 2", "did you mean 'film'"]),
+        ("settings", "setings", ["line 3", "did you mean 'settings'"]),
+        ("relmse", "relmsee", ["line 6", "did you mean 'relmse'"]),
+        ("error = {", "eror = {", ["line 6", "did you mean 'error'"]),
+        ("target = 0.01", "target = -1", ["budget", "above 0"]),
+        ("seconds = 5 }\n        budget", "seconds = -5 }\n        budget", ["reference", "expected"]),
+        ("max_length = 3", "max_length = 0", ["line 2", "from 1 on"]),
+        ("scenes = [", "scenes = [[],", ["line 2", "a string or a table"]),
+    ] {
+        let error = Manifest::parse(&whole.replacen(from, to, 1)).unwrap_err();
+        assert!(parts.iter().all(|part| error.contains(part)) && !error.contains('\n'), "{to}: {error}");
+    }
 }

@@ -8,5 +8,6 @@ mod layers;
 mod output;
 mod paths;
 mod reproducibility;
+mod resumption;
 mod sample_files;
 mod support;
