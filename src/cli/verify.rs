@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use clap::Args;
 
 use crate::estimator::Registry;
-use crate::testing::verify::{Effort, SIGNIFICANCE, verify};
+use crate::testing::verify::{Effort, SIGNIFICANCE, verify, verify_parts};
 
 use super::Outcome;
 
@@ -26,11 +26,14 @@ Checks, for paths of up to 5 edges:
 P-values are corrected for their number (Holm): one of 1000 reports on a faultless integrator has a failure.
 Exit code 0: all hold; 1: one fails.";
 
+/// What is not an integrator: all that they draw with.
+const PARTS: &str = "parts";
+
 /// Check integrators against the definition of f, p and w, known answers and each other
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct VerifyArgs {
-    /// Integrators, with settings if you like [default: all]
+    /// Integrators, with settings if you like, or `parts` for BSDFs, emitters and sensors [default: all]
     #[arg(value_name = "NAME[:setting=value…]")]
     integrators: Vec<String>,
 
@@ -50,12 +53,14 @@ pub(super) struct VerifyArgs {
 pub(super) fn run(registry: &Registry, args: &VerifyArgs) -> anyhow::Result<Outcome> {
     let all: Vec<String> = registry.entries().iter().map(|entry| entry.name.to_owned()).collect();
     let samplers = registry.samplers().iter().map(|entry| entry.name.to_owned());
-    let labels =
-        if args.integrators.is_empty() { all.into_iter().chain(samplers).collect() } else { args.integrators.clone() };
+    let labels = match args.integrators.as_slice() {
+        [] => std::iter::once(PARTS.to_owned()).chain(all).chain(samplers).collect(),
+        named => named.to_vec(),
+    };
     let effort = Effort { passes: args.passes, seed: args.seed };
     let mut failed = 0;
     for (i, label) in labels.iter().enumerate() {
-        let report = verify(registry, label, effort)?;
+        let report = if label == PARTS { verify_parts(effort) } else { verify(registry, label, effort)? };
         failed += usize::from(!report.holds());
         let mut out = io::stdout().lock();
         if i > 0 {

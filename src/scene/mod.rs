@@ -128,6 +128,11 @@ impl Scene {
         &self.accel
     }
 
+    /// The models of its materials, by the names of these.
+    pub(crate) fn bsdfs(&self) -> impl Iterator<Item = (&str, &Bsdf)> {
+        self.names.materials.iter().map(String::as_str).zip(self.materials.iter().map(|material| &material.bsdf))
+    }
+
     /// All emitters, in the order of their ids; there is at least one.
     #[must_use]
     pub fn emitters(&self) -> &[Emitter] {

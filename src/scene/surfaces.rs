@@ -30,6 +30,21 @@ impl Surfaces {
         Some(Self { primitives, choice, area })
     }
 
+    /// Those primitives alone whose points satisfy `keep`; `None` where there are none.
+    #[must_use]
+    pub fn restricted(&self, scene: &Scene, keep: impl Fn(&Vertex) -> bool) -> Option<Self> {
+        let of = |primitive: &PrimitiveId| keep(&point(scene, *primitive, [0.5; 2]));
+        let primitives: Vec<PrimitiveId> = self.primitives.iter().copied().filter(|primitive| of(primitive)).collect();
+        let area_of = |&primitive: &PrimitiveId| match scene.accel().as_sphere(primitive) {
+            Some(sphere) => sphere.area(),
+            None => scene.accel().triangles().find(|(id, _)| *id == primitive).map_or(0.0, |(_, t)| t.area()),
+        };
+        let areas: Vec<f64> = primitives.iter().map(area_of).collect();
+        let area = areas.iter().sum();
+        let choice = Discrete::new(areas).filter(|choice| !choice.is_empty() && area > 0.0)?;
+        Some(Self { primitives, choice, area })
+    }
+
     /// Their area; both sides of a surface count once \[m²\].
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -45,13 +60,16 @@ impl Surfaces {
     /// Draws a point; `u` is uniform in `[0, 1)³`.
     #[must_use]
     pub fn sample(&self, scene: &Scene, u: [f64; 3]) -> Vertex {
-        let primitive = self.primitives[self.choice.sample(u[0])];
-        let u = [u[1], u[2]];
-        let [_, v, w] = warp::uniform_triangle(u);
-        let (ray, t) = match scene.accel().as_sphere(primitive) {
-            Some(sphere) => (Ray::new(sphere.centre, warp::uniform_sphere(u)), sphere.radius),
-            None => (Ray::new(DVec3::ZERO, DVec3::Z), 0.0),
-        };
-        scene.surface_vertex(&ray, &Hit { t, primitive, barycentric: [v, w] })
+        point(scene, self.primitives[self.choice.sample(u[0])], [u[1], u[2]])
     }
+}
+
+/// A point of a primitive, uniform by area.
+fn point(scene: &Scene, primitive: PrimitiveId, u: [f64; 2]) -> Vertex {
+    let [_, v, w] = warp::uniform_triangle(u);
+    let (ray, t) = match scene.accel().as_sphere(primitive) {
+        Some(sphere) => (Ray::new(sphere.centre, warp::uniform_sphere(u)), sphere.radius),
+        None => (Ray::new(DVec3::ZERO, DVec3::Z), 0.0),
+    };
+    scene.surface_vertex(&ray, &Hit { t, primitive, barycentric: [v, w] })
 }

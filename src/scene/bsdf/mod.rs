@@ -147,6 +147,19 @@ macro_rules! dispatch {
 }
 
 impl Bsdf {
+    /// As a research model would be given.
+    #[must_use]
+    pub fn as_model(&self) -> &dyn BsdfModel {
+        match self {
+            Self::Custom(model) => model.as_ref(),
+            Self::Diffuse(model) => model,
+            Self::Conductor(model) => model,
+            Self::RoughConductor(model) => model,
+            Self::Dielectric(model) => model,
+            Self::RoughDielectric(model) => model,
+        }
+    }
+
     /// See [`BsdfModel::eval`].
     #[must_use]
     #[inline(always)]

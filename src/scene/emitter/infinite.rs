@@ -113,7 +113,8 @@ fn entry(id: EmitterId, direction: DVec3, radius: f64, u: [f64; 2]) -> Vertex {
     infinite_vertex(id, frame.to_world(DVec3::new(x, y, -height)) * radius, radius)
 }
 
-fn infinite_vertex(id: EmitterId, position: DVec3, radius: f64) -> Vertex {
+/// The vertex at a position on the sphere.
+pub(crate) fn infinite_vertex(id: EmitterId, position: DVec3, radius: f64) -> Vertex {
     let normal = -position / radius;
     Vertex { position, normal, shading_normal: normal, kind: VertexKind::Infinite(id) }
 }

@@ -17,6 +17,7 @@ use crate::spectrum::Rgb;
 
 use super::accel::Accel;
 
+pub(crate) use infinite::infinite_vertex;
 pub use infinite::{Directional, Environment};
 pub use punctual::{Point, Spot};
 pub use surface::{MeshEmitter, SphereEmitter};

@@ -5,6 +5,7 @@
 //! against an integrator made of bare samplers. An integrator without a definition gets the checks that need none.
 
 mod densities;
+mod parts;
 mod report;
 mod scene;
 
@@ -15,6 +16,7 @@ use crate::spectrum::Rgb;
 
 use super::scenes;
 
+pub use parts::{verify_bsdf, verify_parts};
 pub use report::{Check, POWER, Report, SIGNIFICANCE, Verdict};
 
 /// How much is drawn.

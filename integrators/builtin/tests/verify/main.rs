@@ -2,6 +2,7 @@
 
 mod buggy;
 mod bugs;
+mod parts;
 
 use std::collections::BTreeSet;
 
