@@ -4,6 +4,7 @@
 //! definition of f, p and w that it declares ([`Integrator::definition`]), against its own image, against closed forms and
 //! against an integrator made of bare samplers. An integrator without a definition gets the checks that need none.
 
+mod convergence;
 mod densities;
 mod parts;
 mod report;

@@ -11,6 +11,7 @@ use crate::testing::definition::Comparison;
 use crate::testing::scenes;
 use crate::wide::Wide;
 
+use super::convergence::{self, TailIndex};
 use super::densities::with_variance;
 use super::report::{Check, POWER, SIGNIFICANCE};
 use super::{Effort, LONGEST, Stage, densities};
@@ -41,9 +42,12 @@ pub(super) fn check(
         return vec![Check::open("all", name, why)];
     }
     let definition = integrator.definition(LONGEST);
-    let run = Run::new(integrator, definition.as_ref(), &scene, effort);
+    let mut run = Run::new(integrator, definition.as_ref(), &scene, effort);
+    let tail = TailIndex::of(&mut run.values);
     let mut checks = vec![run.replays(integrator, &scene, name), threads(integrator, &scene, name, effort)];
     checks.push(run.terms_are_possible(name));
+    checks.push(convergence::check(name, &run.passes, tail));
+    let no_variance = tail.filter(TailIndex::is_infinite).map(convergence::no_variance);
     if definition.is_some() {
         checks.extend(run.equals_its_definition(name));
         checks.extend(run.techniques_agree(name));
@@ -58,9 +62,12 @@ pub(super) fn check(
         checks.extend(densities::check(&combination, own, &scene, name, effort));
     }
     if let Some(known) = stage.known {
-        checks.push(mean_check("known answer", name, &run.image, &exactly(known, run.image.count)));
+        checks.push(match &no_variance {
+            Some(why) => Check::open("known answer", name, why.clone()),
+            None => mean_check("known answer", name, &run.image, &exactly(known, run.image.count)),
+        });
     }
-    match (integrator.misses(&scene), reference) {
+    match (no_variance.or_else(|| integrator.misses(&scene)), reference) {
         (Some(misses), _) => checks.push(Check::open("reference image", name, misses)),
         (None, Some(reference)) if reference.supports(&scene).is_ok() => {
             let mut film = empty(&scene);
@@ -98,6 +105,10 @@ struct Run {
     effort: Effort,
     /// Mean luminance of the image over passes.
     image: Moments,
+    /// The same of each pass.
+    passes: Vec<f64>,
+    /// Luminance of each term that is not black.
+    values: Vec<f64>,
     /// Sum over passes by pixel.
     sum: Vec<Rgb>,
     width: usize,
@@ -115,6 +126,8 @@ impl Run {
         let mut run = Self {
             effort,
             image: Moments::default(),
+            passes: Vec::new(),
+            values: Vec::new(),
             sum: vec![Rgb::BLACK; width * height],
             width,
             comparison: Comparison::default(),
@@ -126,7 +139,9 @@ impl Run {
             for (x, y) in (0..film.height).flat_map(|y| (0..film.width).map(move |x| (x, y))) {
                 let key = ReplayKey { seed: effort.seed, sample, pixel: (x, y) };
                 for term in integrator.replay(scene, key) {
-                    total += term.term.value.luminance();
+                    let luminance = term.term.value.luminance();
+                    total += luminance;
+                    run.values.extend((luminance > 0.0).then_some(luminance));
                     run.add(&term);
                     let drawn = definition.and_then(|definition| run.comparison.add(definition, scene, &term));
                     if let (Some((i, densities)), Some(definition)) = (drawn, definition) {
@@ -134,6 +149,7 @@ impl Run {
                     }
                 }
             }
+            run.passes.push(total / (width * height) as f64);
             run.image.push(total / (width * height) as f64);
             run.end_pass(sample);
         }

@@ -2,6 +2,7 @@
 
 mod buggy;
 mod bugs;
+mod convergence;
 mod parts;
 
 use std::collections::BTreeSet;
