@@ -10,8 +10,8 @@ use crate::testing::verify::{Effort, SIGNIFICANCE, verify, verify_parts};
 use super::Outcome;
 
 const AFTER_HELP: &str = "\
-Each integrator runs on small scenes with a bit of everything: closed diffuse box with a known answer, room, leaning
-normals, all BSDFs with point, spot, sphere and mesh lights under a thin lens, environment and sun, orthographic camera.
+Each integrator runs on small scenes with a bit of everything: closed diffuse box with a known answer, room, leaning normals
+under 241 lights, all BSDFs with point, spot, sphere and mesh lights under a thin lens, environment and sun, orthographic camera.
 Checks, for paths of up to 5 edges:
   replay            the image is the sum of the terms that --replay shows
   threads           any number of threads gives the same bits
@@ -21,8 +21,11 @@ Checks, for paths of up to 5 edges:
   visibility        no edge of a path is hidden
   w_i w_j f         two techniques that make the same paths agree on their integral
   density           samplers draw as many paths as their densities claim
+  error ~ N^(-1/2)  it falls so; where there is no variance, which is told, no mean is tested
   known answer      the image meets the closed form
   reference image   it is that of an integrator made of bare samplers
+With them come the parts that all of them draw with (`verify parts`): BSDFs, emitters and sensors draw as their densities
+claim, and the density of a walk is that of the path turned around, with emitter and sensor exchanged.
 P-values are corrected for their number (Holm): one of 1000 reports on a faultless integrator has a failure.
 Exit code 0: all hold; 1: one fails.";
 

@@ -47,6 +47,22 @@ pub trait Estimator: Send + Sync {
     }
 }
 
+/// What an integrator promises; the checks of [`testing`](crate::testing) hold it to that and no more.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Promises {
+    /// The expectation of each pass is the image, and passes are uncorrelated. Without, it is at most consistent: the image is
+    /// approached as the number of passes grows.
+    pub unbiased: bool,
+    /// Its weights lie between 0 and 1, and so no term is negative.
+    pub positive: bool,
+}
+
+impl Default for Promises {
+    fn default() -> Self {
+        Self { unbiased: true, positive: true }
+    }
+}
+
 /// Anything that fills a film.
 pub trait Integrator: Send + Sync {
     /// Renders into the film, which may hold earlier passes, until `control` says stop.
@@ -54,6 +70,21 @@ pub trait Integrator: Send + Sync {
 
     /// The terms and paths of one sample.
     fn replay(&self, scene: &Scene, key: ReplayKey) -> Vec<RecordedTerm>;
+
+    /// The terms and paths of the first passes, one pass after the other: for integrators to which a pass is more than its
+    /// samples one by one.
+    fn replay_passes(&self, scene: &Scene, seed: u64, passes: u64, take: &mut dyn FnMut(Vec<RecordedTerm>)) {
+        let size = scene.sensor().film();
+        for sample in 0..passes {
+            let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
+            take(pixels.flat_map(|pixel| self.replay(scene, ReplayKey { seed, sample, pixel })).collect());
+        }
+    }
+
+    /// What it promises of its terms and its mean.
+    fn promises(&self) -> Promises {
+        Promises::default()
+    }
 
     /// See [`Estimator::definition`].
     fn definition(&self, _longest: u32) -> Option<Combination> {

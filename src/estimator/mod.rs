@@ -14,7 +14,7 @@ mod what_if;
 pub use combination::{Combination, Draw};
 pub use driver::Control;
 pub use heuristic::Heuristic;
-pub use integrator::{Estimator, Integrator};
+pub use integrator::{Estimator, Integrator, Promises};
 pub use lengths::Lengths;
 pub use registry::{Build, Entry, Method, Registry, RegistryError, SamplerEntry};
 pub use settings::{Settings, SettingsError};

@@ -114,7 +114,7 @@ mod tests {
 
     use super::*;
 
-    const COLUMNS: &str = "scene,method,renderer,seed,threads,checkpoint,spp,render_seconds,cpu_seconds,setup_seconds,\
+    const COLUMNS: &str = "scene,method,renderer,hardware,host,seed,threads,checkpoint,spp,render_seconds,cpu_seconds,setup_seconds,\
                            rays,mse,rmse,relmse,smape,mean_ratio,invalid,load_seconds,negative";
 
     fn row() -> Row {
@@ -144,7 +144,7 @@ mod tests {
     fn a_bad_cell_or_a_missing_column_is_named_with_its_file_and_line() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.csv");
-        let cells = "s,path,r,1,2,0,sixteen,1,1,0,,,,,,,0,,";
+        let cells = "s,path,r,m,h,1,2,0,sixteen,1,1,0,,,,,,,0,,";
         fs::write(&path, format!("{COLUMNS}\n{cells}\n")).unwrap();
         let message = read_rows(&path).unwrap_err().to_string();
         assert!(message.contains("rows.csv") && message.contains("line: 2"), "{message}");

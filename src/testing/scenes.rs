@@ -147,6 +147,46 @@ pub fn relief(film: FilmSize) -> SceneDescription {
     scene
 }
 
+/// The relief lit by many lights, of every local kind and of powers over six decades.
+#[must_use]
+pub fn bazaar(film: FilmSize) -> SceneDescription {
+    let mut scene = relief(film);
+    scene.name = "bazaar".into();
+    // The points of an additive sequence (Roberts 2018), which fill a box evenly; the first number is only the power's.
+    let unit = |i: u32, base: f64| (f64::from(i + 1) * base).fract();
+    let place = |i: u32| {
+        let [x, y, z] = [0.819_172_513, 0.671_043_606, 0.549_700_477].map(|base| unit(i, base));
+        DVec3::new(1.8 * x - 0.9, 0.2 + 1.6 * y, 1.8 * z - 0.9)
+    };
+    let power = |i: u32| libm::pow(10.0, 6.0 * unit(i, 0.618_033_989) - 4.5);
+    for i in 0..LIGHTS {
+        let (position, colour) = (place(i), Rgb::new(1.0, 0.4 + 0.5 * unit(i, 0.7), 0.3) * power(i));
+        let name = format!("light {i}");
+        match i % 4 {
+            0 => scene.lights.push(Light { name, kind: LightKind::Point { position, intensity: colour } }),
+            1 => {
+                let direction = (place(i + 1) - position).normalize();
+                let (inner_angle, outer_angle) = (0.3, 0.6);
+                let kind = LightKind::Spot { position, direction, intensity: colour, inner_angle, outer_angle };
+                scene.lights.push(Light { name, kind });
+            }
+            kind => {
+                let material = scene.materials.len();
+                scene.materials.push(diffuse(&name, Rgb::grey(0.3), colour * 300.0));
+                if kind == 2 {
+                    scene.spheres.push(Sphere { name, centre: position, radius: 0.02, material });
+                } else {
+                    scene.meshes.push(rectangle(&name, position, DVec3::X * 0.04, DVec3::Z * 0.04, material));
+                }
+            }
+        }
+    }
+    scene
+}
+
+/// Lights of [`bazaar`] beside the lamp.
+const LIGHTS: u32 = 240;
+
 /// The room with every kind of BSDF, emitter and Dirac event, under a thin lens.
 #[must_use]
 pub fn cabinet(film: FilmSize) -> SceneDescription {

@@ -7,7 +7,7 @@ use crate::scene::sensor::Pixel;
 
 use super::super::combination::Combination;
 use super::super::driver::{Control, random_of};
-use super::super::integrator::{Estimator, Integrator};
+use super::super::integrator::{Estimator, Integrator, Promises};
 use super::super::settings::{Settings, SettingsError};
 use super::super::sink::{RecordedTerm, Term};
 use super::learning::Alpha;
@@ -16,8 +16,7 @@ use super::weigher::{Form, Weigher};
 
 /// A [`Combination`] whose samplers share a path by optimal weights instead of its heuristic.
 ///
-/// It declares no definition of its own, for its weights depend on the passes before; and as a replay draws those anew, the
-/// checks of [`testing::verify`](crate::testing::verify), which replay every sample, are too slow for it.
+/// It declares no definition of its own, for its weights depend on the passes before.
 #[derive(Clone, Debug)]
 pub struct Optimal {
     /// What is drawn; its heuristic counts for nothing.
@@ -32,6 +31,24 @@ impl Optimal {
     fn add_pass(&self, scene: &Scene, key: (u64, u64), weigher: &mut Weigher) -> Counters {
         weigher.begin_pass();
         draw_pass(&self.combination, scene, key, &mut |share| weigher.add(share))
+    }
+
+    /// Of one sample, with the coefficients that apply.
+    fn terms(&self, scene: &Scene, weigher: &Weigher, key: ReplayKey) -> Vec<RecordedTerm> {
+        let mut terms = Vec::new();
+        let pixel = Pixel { x: key.pixel.0, y: key.pixel.1 };
+        let mut random = random_of(scene, key.seed, pixel, key.sample);
+        self.combination.draw(&mut Tracer::new(scene), &mut random, pixel, &mut |draw| {
+            let Some(share) = Share::new(&self.combination, scene, &draw) else { return };
+            let value = weigher.optimal(&share);
+            // w_i = (value / y) q_i, which differs by channel: that of luminance.
+            let weight = value.luminance() / share.y.luminance() * share.q[share.sampler];
+            let technique = self.combination.samplers[share.sampler].technique(share.edges);
+            let sampler = Some(share.sampler as u32);
+            let term = Term { pixel: draw.contribution.pixel, value, technique, weight, sampler };
+            terms.push(RecordedTerm { term, path: draw.path });
+        });
+        terms
     }
 
     fn weigher(&self, scene: &Scene, learnt: &[f64]) -> Weigher {
@@ -83,20 +100,36 @@ impl Integrator for Optimal {
         if self.form == Form::Progressive {
             weigher.begin_pass();
         }
-        let mut terms = Vec::new();
-        let pixel = Pixel { x: key.pixel.0, y: key.pixel.1 };
-        let mut random = random_of(scene, key.seed, pixel, key.sample);
-        self.combination.draw(&mut Tracer::new(scene), &mut random, pixel, &mut |draw| {
-            let Some(share) = Share::new(&self.combination, scene, &draw) else { return };
-            let value = weigher.optimal(&share);
-            // w_i = (value / y) q_i, which differs by channel: that of luminance.
-            let weight = value.luminance() / share.y.luminance() * share.q[share.sampler];
-            let technique = self.combination.samplers[share.sampler].technique(share.edges);
-            let sampler = Some(share.sampler as u32);
-            let term = Term { pixel: draw.contribution.pixel, value, technique, weight, sampler };
-            terms.push(RecordedTerm { term, path: draw.path });
-        });
-        terms
+        self.terms(scene, &weigher, key)
+    }
+
+    fn replay_passes(&self, scene: &Scene, seed: u64, passes: u64, take: &mut dyn FnMut(Vec<RecordedTerm>)) {
+        let mut weigher = self.weigher(scene, &[]);
+        let size = scene.sensor().film();
+        for sample in 0..passes {
+            let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
+            let keys = pixels.map(|pixel| ReplayKey { seed, sample, pixel });
+            let of = |weigher: &Weigher, keys: &mut dyn Iterator<Item = ReplayKey>| {
+                keys.flat_map(|key| self.terms(scene, weigher, key)).collect()
+            };
+            match self.form {
+                Form::Progressive => {
+                    weigher.begin_pass();
+                    take(of(&weigher, &mut keys.into_iter()));
+                    self.add_pass(scene, (seed, sample), &mut weigher);
+                    weigher.end_pass();
+                }
+                Form::Direct => {
+                    self.add_pass(scene, (seed, sample), &mut weigher);
+                    weigher.end_pass();
+                    take(of(&weigher, &mut keys.into_iter()));
+                }
+            }
+        }
+    }
+
+    fn promises(&self) -> Promises {
+        Promises { unbiased: self.form == Form::Progressive, positive: false }
     }
 
     fn supports(&self, scene: &Scene) -> Result<(), String> {

@@ -47,14 +47,15 @@ impl TailIndex {
         (values[k] > 0.0).then(|| Self { alpha: alpha(k), error: alpha(k) / (k as f64).sqrt(), goes_on })
     }
 
-    /// There is no finite variance: α is below 2 by two standard errors, and stays below.
+    /// There is no finite variance, as far as these numbers show: α is below 2 by two standard errors, and stays below.
     pub fn is_infinite(&self) -> bool {
         self.goes_on && self.alpha + 2.0 * self.error < 2.0
     }
 
-    /// The exponent of the error over the number of samples: a sum of n such numbers is of the size `n^(1/α)`.
+    /// The exponent of the error over the number of samples: a sum of n such numbers is of the size `n^(1/α)`,
+    /// and nothing is gained by more of them where α is below 1.
     pub fn exponent(&self) -> f64 {
-        if self.alpha < 2.0 { 1.0 / self.alpha - 1.0 } else { -0.5 }
+        (1.0 / self.alpha - 1.0).clamp(-0.5, 0.0)
     }
 }
 
@@ -115,10 +116,8 @@ pub(super) fn check(name: &str, passes: &[f64], tail: Option<TailIndex>) -> Chec
 /// Why no test of a mean applies.
 pub(super) fn no_variance(tail: TailIndex) -> String {
     let TailIndex { alpha, error, .. } = tail;
-    format!(
-        "the variance is infinite (tail index {alpha:.2} ± {error:.2}), the error falls as N^({:.2}): no test of means",
-        tail.exponent()
-    )
+    let exponent = tail.exponent();
+    format!("no variance in sight: tail index {alpha:.2} ± {error:.2}, error ~ N^({exponent:.2}); no test of means")
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::estimator::{Combination, Control, Integrator, RecordedTerm};
-use crate::film::{Film, Moments, ReplayKey};
+use crate::estimator::{Combination, Control, Integrator, Promises, RecordedTerm};
+use crate::film::{Film, Moments};
 use crate::report::statistics::Welch;
 use crate::scene::Scene;
 use crate::spectrum::Rgb;
@@ -46,8 +46,12 @@ pub(super) fn check(
     let tail = TailIndex::of(&mut run.values);
     let mut checks = vec![run.replays(integrator, &scene, name), threads(integrator, &scene, name, effort)];
     checks.push(run.terms_are_possible(name));
-    checks.push(convergence::check(name, &run.passes, tail));
-    let no_variance = tail.filter(TailIndex::is_infinite).map(convergence::no_variance);
+    let untested = if integrator.promises().unbiased {
+        checks.push(convergence::check(name, &run.passes, tail));
+        tail.filter(TailIndex::is_infinite).map(convergence::no_variance)
+    } else {
+        Some("it is consistent, not unbiased: its passes are no independent estimates of the image".to_owned())
+    };
     if definition.is_some() {
         checks.extend(run.equals_its_definition(name));
         checks.extend(run.techniques_agree(name));
@@ -62,12 +66,12 @@ pub(super) fn check(
         checks.extend(densities::check(&combination, own, &scene, name, effort));
     }
     if let Some(known) = stage.known {
-        checks.push(match &no_variance {
+        checks.push(match &untested {
             Some(why) => Check::open("known answer", name, why.clone()),
             None => mean_check("known answer", name, &run.image, &exactly(known, run.image.count)),
         });
     }
-    match (no_variance.or_else(|| integrator.misses(&scene)), reference) {
+    match (untested.or_else(|| integrator.misses(&scene)), reference) {
         (Some(misses), _) => checks.push(Check::open("reference image", name, misses)),
         (None, Some(reference)) if reference.supports(&scene).is_ok() => {
             let mut film = empty(&scene);
@@ -103,6 +107,7 @@ pub(super) fn mean_check(name: &'static str, scene: &str, a: &Moments, b: &Momen
 /// All terms of an integrator in a scene, summed up.
 struct Run {
     effort: Effort,
+    promises: Promises,
     /// Mean luminance of the image over passes.
     image: Moments,
     /// The same of each pass.
@@ -125,6 +130,7 @@ impl Run {
         let (width, height) = (film.width as usize, film.height as usize);
         let mut run = Self {
             effort,
+            promises: integrator.promises(),
             image: Moments::default(),
             passes: Vec::new(),
             values: Vec::new(),
@@ -134,32 +140,31 @@ impl Run {
             impossible: (0, None),
             pairs: BTreeMap::new(),
         };
-        for sample in 0..effort.passes {
+        let mut sample = 0;
+        integrator.replay_passes(scene, effort.seed, effort.passes, &mut |terms| {
             let mut total = 0.0;
-            for (x, y) in (0..film.height).flat_map(|y| (0..film.width).map(move |x| (x, y))) {
-                let key = ReplayKey { seed: effort.seed, sample, pixel: (x, y) };
-                for term in integrator.replay(scene, key) {
-                    let luminance = term.term.value.luminance();
-                    total += luminance;
-                    run.values.extend((luminance > 0.0).then_some(luminance));
-                    run.add(&term);
-                    let drawn = definition.and_then(|definition| run.comparison.add(definition, scene, &term));
-                    if let (Some((i, densities)), Some(definition)) = (drawn, definition) {
-                        run.add_pairs(definition, term.term.value.luminance(), i, &densities);
-                    }
+            for term in terms {
+                let luminance = term.term.value.luminance();
+                total += luminance;
+                run.values.extend((luminance > 0.0).then_some(luminance));
+                run.add(&term);
+                let drawn = definition.and_then(|definition| run.comparison.add(definition, scene, &term));
+                if let (Some((i, densities)), Some(definition)) = (drawn, definition) {
+                    run.add_pairs(definition, luminance, i, &densities);
                 }
             }
             run.passes.push(total / (width * height) as f64);
             run.image.push(total / (width * height) as f64);
             run.end_pass(sample);
-        }
+            sample += 1;
+        });
         run
     }
 
     fn add(&mut self, recorded: &RecordedTerm) {
         let term = &recorded.term;
-        let possible =
-            term.value.is_finite() && term.value.min_component() >= 0.0 && (0.0..=1.0 + 1e-12).contains(&term.weight);
+        let positive = term.value.min_component() >= 0.0 && (0.0..=1.0 + 1e-12).contains(&term.weight);
+        let possible = term.value.is_finite() && term.weight.is_finite() && (positive || !self.promises.positive);
         let index = term.pixel.y as usize * self.width + term.pixel.x as usize;
         match self.sum.get_mut(index).filter(|_| possible) {
             Some(pixel) => *pixel += term.value,
@@ -218,7 +223,13 @@ impl Run {
     fn terms_are_possible(&self, name: &str) -> Check {
         let (count, example) = &self.impossible;
         let found = format!("{count} terms that cannot be");
-        let check = Check::exact("terms", name, *count > 0, found, "NaN, ∞, negative, weight beyond 1".into());
+        let check = Check::exact(
+            "terms",
+            name,
+            *count > 0,
+            found,
+            if self.promises.positive { "NaN, ∞, negative, weight beyond 1" } else { "NaN, ∞" }.into(),
+        );
         Check { example: example.as_ref().map(ToString::to_string), ..check }
     }
 

@@ -20,7 +20,7 @@ use super::{Effort, Stage, stages};
 const DRAWS: u64 = 1000;
 
 /// Emitters of a kind that are looked at in a scene.
-const EMITTERS: usize = 8;
+const EMITTERS: usize = 2;
 
 fn draws(effort: Effort) -> u32 {
     u32::try_from(effort.passes.saturating_mul(DRAWS)).unwrap_or(u32::MAX).min(50_000_000)
@@ -66,7 +66,13 @@ fn of_stage(stage: &Stage, seen: &mut Vec<String>, effort: Effort, random: &mut 
     }
     let ids = (0..scene.emitters().len() as u32).map(EmitterId);
     let points = [scene.sensor().position(), scene.sensor().position() + DVec3::new(0.05, -0.1, -0.2)];
-    for id in ids.filter(|&id| new(format!("{:?}", scene.emitter(id)))).take(EMITTERS) {
+    let mut kinds = Vec::new();
+    for id in ids.filter(|&id| new(format!("{:?}", scene.emitter(id)))) {
+        let kind = std::mem::discriminant(scene.emitter(id));
+        if kinds.iter().filter(|other| **other == kind).count() >= EMITTERS {
+            continue;
+        }
+        kinds.push(kind);
         checks.extend(emitter::checks(&scene, id, &points, name, n, random));
     }
     if scene.emitters().len() > 1 {
