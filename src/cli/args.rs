@@ -4,6 +4,7 @@ use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 pub(crate) use crate::experiment::manifest::MaxLength;
+use crate::report::Metric;
 use crate::scene::LightSelection;
 use crate::scene::description::FilmSize;
 use crate::scene::sensor::Pixel;
@@ -37,6 +38,12 @@ pub(crate) fn max_length(text: &str) -> Result<MaxLength, String> {
 pub(crate) fn light_selection() -> impl TypedValueParser<Value = LightSelection> {
     PossibleValuesParser::new(["power", "uniform"])
         .map(|text| if text == "uniform" { LightSelection::Uniform } else { LightSelection::Power })
+}
+
+/// A metric by the name of its column.
+pub(crate) fn metric() -> impl TypedValueParser<Value = Metric> {
+    let of = |text: String| Metric::ALL.into_iter().find(|metric| metric.name() == text).unwrap_or(Metric::Mse);
+    PossibleValuesParser::new(Metric::ALL.map(Metric::name)).map(of)
 }
 
 /// `X,Y`.

@@ -14,11 +14,15 @@ use super::Outcome;
 pub(super) struct ListArgs {}
 
 /// Columns that `compare` writes; the formulas are those of [`crate::report`].
-const METRICS: [(&str, &str); 5] = [
-    ("mse", "mean squared error"),
+const METRICS: [(&str, &str); 9] = [
+    ("mse", "mean squared error, without the noise of the reference"),
     ("rmse", "its square root, in the unit of the image"),
     ("relmse", "mean of (x − r)² / (r² + 0.01): bright and dark pixels count alike"),
+    ("mape", "mean of |x − r| / (|r| + 0.01)"),
     ("smape", "mean of |x − r| / (|x| + |r|), 0 to 1: fireflies count little"),
+    ("trimmed_mse", "mse without the 0.1 % worst pixels"),
+    ("trimmed_relmse", "relmse without the 0.1 % worst pixels"),
+    ("flip", "what an eye sees flipping between the images, 0 to 1 (slow: only where --metrics names it)"),
     ("mean_ratio", "mean of the image over that of the reference: 1 where energy is right"),
 ];
 

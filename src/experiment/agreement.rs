@@ -4,13 +4,11 @@ use serde::Serialize;
 
 use crate::film::{BlockGrid, BlockStatistics, FilmError, Image};
 use crate::report::agreement::{MeanTest, between_seeds_p_value};
-use crate::report::{Agreement, AgreementSettings, Reference, Verdict};
+use crate::report::replicas::Replicas;
+use crate::report::{Agreement, AgreementSettings, Reference, SCHEMA, Verdict};
 use crate::spectrum::Rgb;
 
 use super::run::Finished;
-
-/// Rises with every change of the columns.
-const SCHEMA: u32 = 1;
 
 /// A method whose mean is further than so many standard errors from an exact reference differs from it: for a normal
 /// distribution once in 16 000 tests.
@@ -27,6 +25,9 @@ pub(super) struct Pool {
     pass_spp: Option<u64>,
     sum: Option<Image>,
     pub spp: u64,
+    /// The images of all seeds.
+    pub replicas: Replicas,
+    seconds: f64,
 }
 
 impl Pool {
@@ -37,6 +38,8 @@ impl Pool {
             self.restricted.extend(run.restricted.clone());
         }
         let Some(image) = &run.image else { return };
+        self.replicas.add(image);
+        self.seconds += run.rows.last().map_or(0.0, |row| row.render_seconds);
         let spp = run.rows.last().map_or(0, |row| row.spp);
         let black = || Image { pixels: vec![Rgb::BLACK; image.pixels.len()], ..*image };
         let sum = self.sum.get_or_insert_with(black);
@@ -55,6 +58,14 @@ impl Pool {
         let sum = self.sum.as_ref()?;
         let pixels = sum.pixels.iter().map(|&sum| sum / self.spp.max(1) as f64).collect();
         Some(Image { pixels, ..*sum })
+    }
+
+    /// `1 / (variance · time)` of one seed's image, pixel by pixel; 0 where there is no variance \[1/(radiance² s)\].
+    pub fn efficiency_image(&self) -> Option<Image> {
+        let variance = self.replicas.variance_image()?;
+        let seconds = self.seconds / self.renders.len() as f64;
+        let efficiency = |variance: f64| if variance > 0.0 { 1.0 / (variance * seconds) } else { 0.0 };
+        Some(Image { pixels: variance.pixels.iter().map(|pixel| pixel.map(efficiency)).collect(), ..variance })
     }
 
     /// Over all passes of all runs, in all blocks or in those that light methods see.

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::report::Row;
+use crate::report::{Metric, Row};
 
 /// The first checkpoint of a timed run is not before this time \[s\].
 const FIRST_CHECKPOINT: f64 = 0.1;
@@ -26,35 +26,18 @@ pub enum Budget {
 #[serde(deny_unknown_fields)]
 pub struct TargetError {
     /// How the error is measured.
-    pub metric: TargetMetric,
+    pub metric: Metric,
     /// The error.
     pub target: f64,
     /// Where it is not reached, the run ends after this rendering time \[s\].
     pub seconds: f64,
 }
 
-/// An error that a run can aim at.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum TargetMetric {
-    /// Mean squared error.
-    Mse,
-    /// Its root.
-    Rmse,
-    /// Relative mean squared error.
-    Relmse,
-}
-
 impl TargetError {
     /// A checkpoint is good enough.
     #[must_use]
     pub fn reached(&self, row: &Row) -> bool {
-        let error = match self.metric {
-            TargetMetric::Mse => row.mse,
-            TargetMetric::Rmse => row.rmse,
-            TargetMetric::Relmse => row.relmse,
-        };
-        error.is_some_and(|error| error <= self.target)
+        self.metric.of(row).is_some_and(|error| self.metric.shown(error.max(0.0)) <= self.target)
     }
 }
 

@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::report::{Row, SummaryRow, summarise};
+use crate::report::replicas::Bias;
+use crate::report::{CurveRow, Reference, Row, SummaryRow, VerdictRow, curves, summarise, verdicts};
 use crate::spectrum::Rgb;
 
 use super::agreement::{self, AgreementRow, Pool};
@@ -22,8 +23,12 @@ pub struct Report {
     pub manifest: Manifest,
     /// All checkpoints of finished runs, by scene, method and seed.
     pub rows: Vec<Row>,
-    /// What they say.
+    /// Errors over time.
+    pub curves: Vec<CurveRow>,
+    /// What they say of each method.
     pub summary: Vec<SummaryRow>,
+    /// What they say of each pair of methods.
+    pub verdicts: Vec<VerdictRow>,
     /// Whether the methods agree.
     pub agreement: Vec<AgreementRow>,
     /// Runs of the manifest that are not finished.
@@ -71,15 +76,44 @@ pub fn collect(folder: &Folder) -> Result<Report, ExperimentError> {
     let Some((record, manifest)) = resolved else {
         return Err(ExperimentError::Scene(format!("{}: holds no experiment", folder.path().display())));
     };
-    let mut report = Report { manifest, rows: Vec::new(), summary: Vec::new(), agreement: Vec::new(), missing: 0 };
+    let mut report = Report {
+        manifest,
+        rows: Vec::new(),
+        curves: Vec::new(),
+        summary: Vec::new(),
+        verdicts: Vec::new(),
+        agreement: Vec::new(),
+        missing: 0,
+    };
+    let mut spreads = Vec::new();
     for scene in &record.scenes {
-        collect_scene(folder, &record, scene, &mut report)?;
+        spreads.extend(collect_scene(folder, &record, scene, &mut report)?);
     }
+    let metrics = report.manifest.metrics.clone();
+    report.curves = curves(&report.rows, &metrics);
     report.summary = summarise(&report.rows);
+    report.verdicts = verdicts(&report.rows, &metrics);
+    for row in &mut report.summary {
+        let of_row = |spread: &&Spread| (&spread.scene, &spread.method) == (&row.scene, &row.method);
+        if let Some(spread) = spreads.iter().find(of_row) {
+            row.variance = spread.variance;
+            (row.bias2, row.bias2_error) = spread.bias.map(|bias| (bias.squared, bias.error)).unzip();
+        }
+    }
     folder.write_table("rows.csv", &report.rows)?;
+    folder.write_table("curves.csv", &report.curves)?;
+    folder.write_table("verdicts.csv", &report.verdicts)?;
     folder.write_table("summary.csv", &report.summary)?;
     folder.write_table("agreement.csv", &report.agreement)?;
     Ok(report)
+}
+
+/// Of the images of a method on a scene over all its seeds, on whatever machine they were made.
+struct Spread {
+    scene: String,
+    method: String,
+    variance: Option<f64>,
+    bias: Option<Bias>,
 }
 
 fn collect_scene(
@@ -87,7 +121,7 @@ fn collect_scene(
     record: &Record,
     scene: &ScenePlan,
     report: &mut Report,
-) -> Result<(), ExperimentError> {
+) -> Result<Vec<Spread>, ExperimentError> {
     let texts: BTreeMap<String, String> =
         report.manifest.methods.iter().map(|method| (method.label(), method.text())).collect();
     let mut members = Vec::new();
@@ -108,20 +142,29 @@ fn collect_scene(
             member.pool.add(&run);
             report.rows.extend(run.rows);
         }
-        if let Some(mean) = member.pool.mean_image().filter(|_| report.manifest.images) {
-            folder.write_mean(&mean, &scene.name, label, member.pool.spp)?;
+        if report.manifest.images {
+            folder.write_mean(&scene.name, label, &member.pool)?;
         }
         members.push(member);
     }
     members.retain(|member| !member.pool.is_empty());
-    with_truth(folder, scene, &members, report)?;
-    among(&scene.name, &members, report)
+    let file = folder.reference(&scene.name);
+    let reference = if file.exists() { Some(reference::read_reference(&file)?) } else { None };
+    with_truth(scene, reference.as_ref(), &members, report)?;
+    among(&scene.name, &members, report)?;
+    let spread = |member: &Member<'_>| Spread {
+        scene: scene.name.clone(),
+        method: member.label.to_owned(),
+        variance: member.pool.replicas.variance(),
+        bias: reference.as_ref().and_then(|reference| member.pool.replicas.bias(reference)),
+    };
+    Ok(members.iter().map(spread).collect())
 }
 
 /// Each method against what its errors are measured against.
 fn with_truth(
-    folder: &Folder,
     scene: &ScenePlan,
+    reference: Option<&Reference>,
     members: &[Member<'_>],
     report: &mut Report,
 ) -> Result<(), ExperimentError> {
@@ -133,13 +176,8 @@ fn with_truth(
         }
         return Ok(());
     }
-    let file = folder.reference(&scene.name);
-    if !file.exists() {
-        return Ok(());
-    }
-    let reference = reference::read_reference(&file)?;
-    for member in members {
-        let row = agreement::with_reference(&scene.name, member.label, &member.pool, &reference, member.is_light())?;
+    for (member, reference) in members.iter().flat_map(|member| Some((member, reference?))) {
+        let row = agreement::with_reference(&scene.name, member.label, &member.pool, reference, member.is_light())?;
         report.agreement.extend(row);
     }
     Ok(())

@@ -5,7 +5,7 @@
 //! *.csv             tables over all finished runs
 //! references/       SCENE.exr: what errors are measured against, with its standard error
 //! runs/             SCENE/METHOD/SEED/: one run
-//! images/           SCENE/METHOD.exr and .png: means over seeds
+//! images/           SCENE/METHOD.exr and .png: means over seeds; in the .exr, their variance and efficiency too
 //! mitsuba/          SCENE/: the scene as Mitsuba reads it
 //! ```
 
@@ -22,6 +22,7 @@ use crate::film::{Image, RenderInfo};
 use crate::scene::SceneDescription;
 use crate::scene::mitsuba::{ExportError, ExportOptions, export};
 
+use super::agreement::Pool;
 use super::error::ExperimentError;
 use super::manifest::Manifest;
 use super::plan::ScenePlan;
@@ -154,7 +155,8 @@ impl Folder {
     }
 
     /// `images/SCENE/METHOD.exr` and `.png`.
-    pub(super) fn write_mean(&self, image: &Image, scene: &str, method: &str, spp: u64) -> Result<(), ExperimentError> {
+    pub(super) fn write_mean(&self, scene: &str, method: &str, pool: &Pool) -> Result<(), ExperimentError> {
+        let Some(image) = &pool.mean_image() else { return Ok(()) };
         let folder = self.folder(&format!("images/{}", file_name(scene)))?;
         let info = RenderInfo {
             scene: scene.into(),
@@ -163,7 +165,10 @@ impl Folder {
             ..RenderInfo::default()
         };
         let name = file_name(method);
-        write_exr(&folder.join(format!("{name}.exr")), image, [], &info, spp, &[])?;
+        let layers = [("variance", pool.replicas.variance_image()), ("efficiency", pool.efficiency_image())];
+        let layers =
+            layers.into_iter().filter_map(|(name, image)| Some(NamedLayer { name: name.into(), image: image? }));
+        write_exr(&folder.join(format!("{name}.exr")), image, layers, &info, pool.spp, &[])?;
         Ok(write_png(&folder.join(format!("{name}.png")), image, 0.0)?)
     }
 

@@ -16,6 +16,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use crate::names::did_you_mean;
+use crate::report::Metric;
 use crate::scene::LightSelection;
 
 use super::budget::Budget;
@@ -47,6 +48,9 @@ pub struct Manifest {
     /// What errors are measured against, where a scene of the manifest does not say.
     #[serde(default)]
     pub reference: ReferencePolicy,
+    /// Errors that curves and verdicts are made of; ꟻLIP is slow, and measured only where it is among them.
+    #[serde(default = "Manifest::default_metrics")]
+    pub metrics: Vec<Metric>,
     /// Whether images are written.
     #[serde(default = "Manifest::default_images")]
     pub images: bool,
@@ -183,6 +187,7 @@ impl Manifest {
             light_selection: LightSelection::default(),
             max_length: None,
             reference: ReferencePolicy::default(),
+            metrics: Self::default_metrics(),
             images: Self::default_images(),
             budget: Budget::default(),
             methods: methods.into_iter().map(|method| StringOr(MethodEntry::from(method.into()))).collect(),
@@ -197,6 +202,10 @@ impl Manifest {
 
     fn default_seed() -> u64 {
         1
+    }
+
+    fn default_metrics() -> Vec<Metric> {
+        Metric::ALL.into_iter().filter(|&metric| metric != Metric::Flip).collect()
     }
 
     fn default_images() -> bool {

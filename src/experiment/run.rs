@@ -6,7 +6,8 @@ use std::path::{Path, PathBuf};
 use crate::estimator::Registry;
 use crate::film::{BlockStatistics, Image, RenderInfo};
 use crate::names::did_you_mean;
-use crate::report::{Errors, Row};
+use crate::report::flip::flip;
+use crate::report::{Errors, Metric, Row};
 use crate::scene::mitsuba::ExportError;
 use crate::spectrum::Rgb;
 
@@ -99,7 +100,11 @@ impl Job<'_> {
     /// The row with the errors of its image.
     pub fn measured(&self, row: Row, image: &Image) -> Result<Row, ExperimentError> {
         Ok(match &self.truth.reference {
-            Some(reference) => row.with_errors(&Errors::between(image, &reference.mean, None)?),
+            Some(reference) => {
+                let wants_flip = self.plan.manifest.metrics.contains(&Metric::Flip);
+                let flip = wants_flip.then(|| flip(image, &reference.mean)).flatten();
+                Row { flip, ..row.with_errors(&Errors::between(image, reference)?) }
+            }
             None => row,
         })
     }

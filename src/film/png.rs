@@ -26,19 +26,21 @@ pub fn srgb_from_linear(linear: f64) -> f64 {
     }
 }
 
+/// The bytes of [`write_png`], three a pixel.
+#[must_use]
+pub fn to_srgb8(image: &Image, exposure: f64) -> Vec<u8> {
+    let factor = libm::exp2(exposure);
+    let values = image.pixels.iter().flat_map(|pixel| pixel.to_array());
+    values.map(|value| (255.0 * srgb_from_linear(factor * value)).round() as u8).collect()
+}
+
 /// Writes `2^exposure · image` \[exposure in stops\], clamped and encoded; atomically. Clamping keeps what is in range as
 /// it is, so that images of equal exposure compare by eye; what is brighter than 1 is white.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub fn write_png(path: &Path, image: &Image, exposure: f64) -> Result<(), FileError> {
-    let factor = libm::exp2(exposure);
-    let bytes: Vec<u8> = image
-        .pixels
-        .iter()
-        .flat_map(|pixel| pixel.to_array())
-        .map(|value| (255.0 * srgb_from_linear(factor * value)).round() as u8)
-        .collect();
+    let bytes = to_srgb8(image, exposure);
     write_atomically(path, |writer| {
         PngEncoder::new(writer)
             .write_image(&bytes, image.width, image.height, ExtendedColorType::Rgb8)

@@ -10,12 +10,22 @@ use crate::film::output::write_atomically;
 use super::error::ReportError;
 use super::metrics::Errors;
 
+/// Version of the tables of an experiment; rises with every change of their columns.
+pub const SCHEMA: u32 = 1;
+
+fn schema() -> u32 {
+    SCHEMA
+}
+
 /// One line of `rows.csv`. Columns stand in the order of the fields; a missing value is an empty cell.
 ///
 /// Times count rendering only, unless their name says otherwise. At a checkpoint, all of them and all counts include
-/// everything since the render began.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+/// everything since the render began. Errors are those of [`super::metrics`], and missing without a reference.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
+    /// Version of the table.
+    #[serde(default = "schema")]
+    pub schema: u32,
     /// Name of the scene.
     pub scene: String,
     /// Name of the method, such as `bdpt` or `mitsuba:path`.
@@ -42,26 +52,74 @@ pub struct Row {
     pub cpu_seconds: Option<f64>,
     /// Wall-clock time before the first sample, apart from loading: acceleration structure, compilation, warm-up \[s\].
     pub setup_seconds: Option<f64>,
+    /// Wall-clock time spent reading the scene \[s\].
+    pub load_seconds: Option<f64>,
     /// Rays traced so far, where the renderer tells.
     pub rays: Option<u64>,
-    /// Mean squared error, see [`super::metrics`]; this and the following four are missing without a reference.
+    /// Mean squared error.
     pub mse: Option<f64>,
-    /// Root of the mean squared error.
+    /// Its root.
     pub rmse: Option<f64>,
     /// Relative mean squared error.
     pub relmse: Option<f64>,
+    /// Mean absolute relative error.
+    pub mape: Option<f64>,
     /// Symmetric mean absolute relative error.
     pub smape: Option<f64>,
+    /// MSE without outliers.
+    pub trimmed_mse: Option<f64>,
+    /// relMSE without outliers.
+    pub trimmed_relmse: Option<f64>,
+    /// ꟻLIP, where it is asked for.
+    pub flip: Option<f64>,
     /// Mean of the image over mean of the reference.
     pub mean_ratio: Option<f64>,
+    /// What the reference's noise alone would make of the MSE, where it is known; it is taken off.
+    pub reference_mse: Option<f64>,
+    /// The same of relMSE.
+    pub reference_relmse: Option<f64>,
+    /// The error is smaller than the reference's noise: no truth.
+    pub below_reference_noise: Option<bool>,
     /// Contributions or pixels that were not finite.
     pub invalid: u64,
-    /// Wall-clock time spent reading the scene \[s\].
-    #[serde(default)]
-    pub load_seconds: Option<f64>,
     /// Contributions that were negative where the weighting promises none.
-    #[serde(default)]
     pub negative: Option<u64>,
+}
+
+impl Default for Row {
+    fn default() -> Self {
+        Self {
+            schema: SCHEMA,
+            scene: String::new(),
+            method: String::new(),
+            renderer: String::new(),
+            hardware: String::new(),
+            host: String::new(),
+            seed: 0,
+            threads: 0,
+            checkpoint: 0,
+            spp: 0,
+            render_seconds: 0.0,
+            cpu_seconds: None,
+            setup_seconds: None,
+            load_seconds: None,
+            rays: None,
+            mse: None,
+            rmse: None,
+            relmse: None,
+            mape: None,
+            smape: None,
+            trimmed_mse: None,
+            trimmed_relmse: None,
+            flip: None,
+            mean_ratio: None,
+            reference_mse: None,
+            reference_relmse: None,
+            below_reference_noise: None,
+            invalid: 0,
+            negative: None,
+        }
+    }
 }
 
 impl Row {
@@ -70,10 +128,16 @@ impl Row {
     pub fn with_errors(self, errors: &Errors) -> Self {
         Self {
             mse: Some(errors.mse),
-            rmse: Some(errors.rmse),
+            rmse: errors.rmse,
             relmse: Some(errors.relmse),
+            mape: Some(errors.mape),
             smape: Some(errors.smape),
+            trimmed_mse: Some(errors.trimmed_mse),
+            trimmed_relmse: Some(errors.trimmed_relmse),
             mean_ratio: Some(errors.mean_ratio),
+            reference_mse: errors.reference_mse,
+            reference_relmse: errors.reference_relmse,
+            below_reference_noise: errors.below_reference_noise(),
             invalid: self.invalid.max(errors.invalid),
             ..self
         }
@@ -114,8 +178,9 @@ mod tests {
 
     use super::*;
 
-    const COLUMNS: &str = "scene,method,renderer,hardware,host,seed,threads,checkpoint,spp,render_seconds,cpu_seconds,setup_seconds,\
-                           rays,mse,rmse,relmse,smape,mean_ratio,invalid,load_seconds,negative";
+    const COLUMNS: &str = "schema,scene,method,renderer,hardware,host,seed,threads,checkpoint,spp,render_seconds,cpu_seconds,\
+                           setup_seconds,load_seconds,rays,mse,rmse,relmse,mape,smape,trimmed_mse,trimmed_relmse,flip,\
+                           mean_ratio,reference_mse,reference_relmse,below_reference_noise,invalid,negative";
 
     fn row() -> Row {
         Row {
@@ -144,7 +209,7 @@ mod tests {
     fn a_bad_cell_or_a_missing_column_is_named_with_its_file_and_line() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("rows.csv");
-        let cells = "s,path,r,m,h,1,2,0,sixteen,1,1,0,,,,,,,0,,";
+        let cells = "1,s,path,r,m,h,1,2,0,sixteen,1,1,0,,,,,,,,,,,,,,,0,";
         fs::write(&path, format!("{COLUMNS}\n{cells}\n")).unwrap();
         let message = read_rows(&path).unwrap_err().to_string();
         assert!(message.contains("rows.csv") && message.contains("line: 2"), "{message}");

@@ -81,7 +81,7 @@ fn upper_tail(t: f64, freedom: f64) -> f64 {
 }
 
 /// The t with `P(T > t) = p`, for p in (0, 1).
-fn upper_quantile(p: f64, freedom: f64) -> f64 {
+pub(crate) fn upper_quantile(p: f64, freedom: f64) -> f64 {
     match StudentsT::new(0.0, 1.0, freedom) {
         // By symmetry; the lower tail keeps the precision of a small p.
         Ok(student) if freedom < NORMAL_FREEDOM => -student.inverse_cdf(p),

@@ -40,15 +40,15 @@ fn table(rows: &[SummaryRow]) -> String {
     table.load_style(NOTHING).set_content_arrangement(ContentArrangement::Disabled);
     table.set_header(["method", "spp/s", "RMSE", "± %", "relMSE", "time [s]", "gain", "slope"].map(Cell::new));
     for row in rows {
-        // The renderer is told only where it tells two lines apart.
+        // The machine is told only where it tells two lines apart.
         let ambiguous = rows.iter().filter(|other| other.method == row.method).count() > 1;
-        let label = if ambiguous { format!("{} {}", row.method, row.renderer) } else { row.method.clone() };
+        let label = if ambiguous { format!("{} {}", row.method, row.hardware) } else { row.method.clone() };
         let plain = |value: Option<f64>| value.map_or(DASH.to_owned(), number);
         table.add_row([
             cut(&label, LABEL_WIDTH),
             plain(row.spp_per_second),
             plain(row.rmse),
-            row.rmse_spread.map_or(DASH.to_owned(), |spread| number(100.0 * spread)),
+            half_width(row).map_or(DASH.to_owned(), |half| number(100.0 * half)),
             plain(row.relmse),
             row.time_to_target.map_or(DASH.to_owned(), |time| format!("{}{}", sign(row.time_bound), number(time))),
             plain(row.relative_efficiency),
@@ -71,8 +71,15 @@ fn sign(bound: Option<Bound>) -> &'static str {
     }
 }
 
+/// Of the interval of the RMSE, relative to it.
+fn half_width(row: &SummaryRow) -> Option<f64> {
+    let (low, high) = row.mse_low.zip(row.mse_high)?;
+    Some(0.5 * (high.sqrt() - low.sqrt()) / row.rmse?)
+}
+
 fn slope(row: &SummaryRow) -> String {
-    match (row.slope, row.slope_error) {
+    let error = row.slope_low.zip(row.slope_high).map(|(low, high)| 0.5 * (high - low));
+    match (row.slope, error) {
         (Some(slope), Some(error)) if slope.abs() < 100.0 && error < 100.0 => format!("{slope:.2}±{error:.2}"),
         (Some(slope), None) if slope.abs() < 100.0 => format!("{slope:.2}"),
         _ => DASH.to_owned(),
@@ -80,7 +87,7 @@ fn slope(row: &SummaryRow) -> String {
 }
 
 /// Three significant digits in at most 9 characters.
-pub(super) fn number(value: f64) -> String {
+pub(crate) fn number(value: f64) -> String {
     let size = value.abs();
     if !value.is_finite() {
         return DASH.to_owned();
@@ -113,7 +120,7 @@ mod tests {
         Row {
             scene: "a_scene_with_a_name_that_is_longer_than_any_line_should_ever_be_in_a_table".into(),
             method: method.into(),
-            renderer: format!("renderer {seed}"),
+            hardware: format!("machine {seed}"),
             spp: 123_456_789,
             render_seconds: time,
             mse: Some(mse),
@@ -133,7 +140,7 @@ mod tests {
         let text = tables(&summarise(&rows));
         assert!(text.lines().all(|line| line.chars().count() <= TABLE_WIDTH), "{text}");
         assert_eq!(text.lines().count(), 2 + 1 + 4, "{text}");
-        assert!(text.contains("path renderer 1") && text.contains("path renderer 2"), "{text}");
+        assert!(text.contains("path machine 1") && text.contains("path machine 2"), "{text}");
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::Path;
 
-use pathspace::estimator::{Control, Entry, Estimator, Integrator, Registry, Settings, Sink, Term};
+use pathspace::estimator::{Control, Entry, Estimator, Integrator, Registry, Settings, SettingsError, Sink, Term};
 use pathspace::experiment::manifest::MaxLength;
 use pathspace::experiment::{
     Budget, ExperimentError, Folder, Manifest, Plan, ReferencePolicy, Renderers, Report, SceneEntry, Subject, collect,
@@ -19,16 +19,24 @@ use pathspace::spectrum::Rgb;
 use pathspace::testing::scenes;
 use pathspace_path::PathTracer;
 
-/// The path tracer, 2 % too bright.
-struct Biased(PathTracer);
+/// The path tracer with something done to its terms.
+struct Biased {
+    inner: PathTracer,
+    bias: fn(Term) -> Option<Term>,
+}
 
-struct Scaled<'a, S>(&'a mut S);
+struct Through<'a, S> {
+    sink: &'a mut S,
+    bias: fn(Term) -> Option<Term>,
+}
 
-impl<S: Sink> Sink for Scaled<'_, S> {
+impl<S: Sink> Sink for Through<'_, S> {
     const RECORDS: bool = S::RECORDS;
 
     fn add(&mut self, term: Term, path: impl FnOnce() -> Option<LightPath>) {
-        self.0.add(Term { value: term.value * 1.02, ..term }, path);
+        if let Some(term) = (self.bias)(term) {
+            self.sink.add(term, path);
+        }
     }
 }
 
@@ -36,22 +44,38 @@ impl Estimator for Biased {
     type Scratch = ();
 
     fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
-        self.0.sample(tracer, random, pixel, &mut (), &mut Scaled(sink));
+        self.inner.sample(tracer, random, pixel, &mut (), &mut Through { sink, bias: self.bias });
     }
 }
 
-const BIASED: Entry = Entry {
-    name: "biased",
-    summary: "the path tracer, 2 % too bright",
-    build: |settings: &mut Settings| Ok(Box::new(Biased(PathTracer::new(settings)?)) as Box<dyn Integrator>),
-};
+fn biased(settings: &mut Settings, bias: fn(Term) -> Option<Term>) -> Result<Box<dyn Integrator>, SettingsError> {
+    Ok(Box::new(Biased { inner: PathTracer::new(settings)?, bias }))
+}
+
+const PLANTED: [Entry; 4] = [
+    Entry {
+        name: "biased",
+        summary: "2 % too bright",
+        build: |settings| biased(settings, |term| Some(Term { value: term.value * 1.02, ..term })),
+    },
+    Entry {
+        name: "slightly",
+        summary: "1 % too bright",
+        build: |settings| biased(settings, |term| Some(Term { value: term.value * 1.01, ..term })),
+    },
+    Entry {
+        name: "lacking",
+        summary: "without the emitters that are met by chance, which count most beside them",
+        build: |settings| {
+            biased(settings, |term| Some(term).filter(|term| term.technique.s > 0 || term.technique.t == 2))
+        },
+    },
+    Entry { name: "honest", summary: "as it is", build: |settings| biased(settings, Some) },
+];
 
 fn registry() -> Registry {
-    Registry::default()
-        .with(pathspace_path::ENTRY)
-        .with(pathspace_path_bsdf::ENTRY)
-        .with(pathspace_light::ENTRY)
-        .with(BIASED)
+    let shipped = [pathspace_path::ENTRY, pathspace_path_bsdf::ENTRY, pathspace_light::ENTRY];
+    shipped.into_iter().chain(PLANTED).fold(Registry::default(), Registry::with)
 }
 
 fn enclosure() -> SceneDescription {
@@ -119,6 +143,20 @@ fn a_bias_of_two_percent_differs_from_other_methods_and_from_the_exact_answer() 
     let report = experiment(&room, &["path", "biased"], 256, ReferencePolicy::None);
     assert_eq!(verdicts(&report), [("biased", "path", "differ")]);
     assert!(report.rows.iter().all(|row| row.mse.is_none()));
+}
+
+/// What is planted is found, and nothing else; the report says where. Passes are so many that 1 % of the image shows with the
+/// probability that the test names.
+#[test]
+fn a_bias_of_one_percent_and_one_beside_the_lamp_are_named_and_an_honest_twin_is_not() {
+    let room = scenes::room(FilmSize { width: 32, height: 32 });
+    let report = experiment(&room, &["path", "honest", "slightly", "lacking"], 512, ReferencePolicy::None);
+    let expected = [("honest", "path", "agree"), ("slightly", "path", "differ"), ("lacking", "path", "differ")];
+    assert_eq!(verdicts(&report), expected);
+    let [honest, slightly, lacking] = report.agreement.as_slice() else { panic!("three tests") };
+    assert!(honest.image_detectable.unwrap() < 0.01 && honest.power >= 0.9, "{honest:?}");
+    assert!((slightly.image_difference - 0.01).abs() < 4.0 * slightly.image_error, "{slightly:?}");
+    assert!(lacking.worst_t.unwrap() < -6.0, "{lacking:?}");
 }
 
 #[test]
@@ -261,11 +299,21 @@ impl Control for Passes {
 #[test]
 fn the_tables_have_the_columns_that_are_documented() {
     let temporary = tempfile::tempdir().unwrap();
-    let mut few = manifest(&["path"], 2, ReferencePolicy::Scene);
+    let mut few = manifest(&["path", "light"], 2, ReferencePolicy::Scene);
     few.images = false;
     complete(temporary.path(), few, &enclosure()).unwrap();
     let header =
         |file: &str| fs::read_to_string(temporary.path().join(file)).unwrap().lines().next().unwrap().to_owned();
+    let documented = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/src/docs/tables.md")).unwrap();
+    for table in ["rows", "curves", "summary", "verdicts"] {
+        let header = header(&format!("{table}.csv"));
+        assert!(header.starts_with("schema,scene,"), "{header}");
+        let columns =
+            header.split(',').filter(|column| !["mape", "smape", "trimmed_mse", "trimmed_relmse"].contains(column));
+        for column in columns {
+            assert!(documented.contains(&format!("`{column}`")), "{table}.csv: {column} is not documented");
+        }
+    }
     assert!(header("agreement.csv").starts_with("schema,scene,method,against,verdict,image_difference,image_error,"));
     assert!(!temporary.path().join("images").exists());
     assert!(!temporary.path().join("runs/enclosure/path/1/image.exr").exists());

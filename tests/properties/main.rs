@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used)]
 
 mod agreement;
+mod coverage;
 mod definition;
 mod experiment;
 mod known_answers;

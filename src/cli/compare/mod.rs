@@ -15,6 +15,7 @@ use crate::experiment::{
     self, Budget, ExperimentError, Folder, Made, Manifest, Mitsuba, Plan, ReferencePolicy, Renderers, Report,
     SceneEntry, Subject, collect,
 };
+use crate::report::Metric;
 use crate::scene::description::FilmSize;
 use crate::scene::{LightSelection, Scene, SceneOptions};
 
@@ -26,14 +27,15 @@ const AFTER_HELP: &str = "\
 Methods: an integrator of `pathspace list` with settings (bdpt:heuristic=power), mitsuba:path, mitsuba:ptracer; Mitsuba's
 take variant=auto|scalar_rgb|llvm_ad_rgb, rr_depth=N, max_length=N. A method that cannot render a scene is skipped and told.
 
-DIR holds the experiment: experiment.toml, rows.csv, summary.csv, agreement.csv, images/, and each finished run in
-runs/SCENE/METHOD/SEED. Called again, after an interruption or a crash or with more seeds, methods and scenes, it makes the
+DIR holds the experiment: experiment.toml, tables (rows.csv, curves.csv, summary.csv, verdicts.csv, agreement.csv; their columns
+stand in src/docs/tables.md), references/, images/, and each finished run in runs/SCENE/METHOD/SEED. Called again, after an interruption or a crash or with more seeds, methods and scenes, it makes the
 runs that are missing and keeps the others. Several processes, on machines that share DIR, make different runs.
 
 A manifest says the same and more (names, settings and films of one's own for each scene and method):
   scenes = [\"cornell_box\", { file = \"hall.gltf\", film = \"320x180\", max_length = 8 }]
   methods = [\"path\", { name = \"power\", integrator = \"bdpt\", settings = { heuristic = \"power\" } }, \"mitsuba:path\"]
   seeds = 8
+  metrics = [\"mse\", \"relmse\", \"flip\"]
   budget = { seconds = 10 }        # or { spp = 64 }, or { error = { metric = \"relmse\", target = 0.01, seconds = 60 } }
   reference = \"scene\"              # or \"none\", \"FILE.exr\", or { method = \"bdpt\", seconds = 600 }: rendered once and kept
 DIR/experiment.toml is one, too, so it repeats the experiment.
@@ -95,6 +97,10 @@ pub(super) struct CompareArgs {
     /// What errors are measured against: an EXR file, or none [default: what each scene names]
     #[arg(long, value_name = "FILE.exr|none")]
     reference: Option<ReferencePolicy>,
+
+    /// Errors that curves and verdicts are made of, see `pathspace list` [default: all but flip]
+    #[arg(long, value_name = "METRIC,…", value_delimiter = ',', value_parser = args::metric())]
+    metrics: Vec<Metric>,
 
     /// Folder to write into, made where it is missing [default for a manifest: its name without .toml]
     #[arg(short, long, value_name = "DIR")]
@@ -213,6 +219,7 @@ fn from_file(file: &Path, args: &CompareArgs) -> anyhow::Result<Manifest> {
         ("--light-selection", args.light_selection.is_some()),
         ("--film", args.film.is_some()),
         ("--reference", args.reference.is_some()),
+        ("--metrics", !args.metrics.is_empty()),
     ];
     if let Some((flag, _)) = given.into_iter().find(|(_, given)| *given) {
         let what = format!("{flag} is for scenes on the command line; write it into {}", file.display());
@@ -254,6 +261,9 @@ fn from_flags(files: &[PathBuf], args: &CompareArgs) -> anyhow::Result<Manifest>
     manifest.max_length = args.max_length;
     manifest.light_selection = args.light_selection.unwrap_or_default();
     manifest.reference = args.reference.clone().unwrap_or_default();
+    if !args.metrics.is_empty() {
+        manifest.metrics.clone_from(&args.metrics);
+    }
     Ok(manifest)
 }
 
