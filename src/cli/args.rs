@@ -46,6 +46,14 @@ pub(crate) fn metric() -> impl TypedValueParser<Value = Metric> {
     PossibleValuesParser::new(Metric::ALL.map(Metric::name)).map(of)
 }
 
+/// `90s`, `10m`, `1h30m`; a number alone is in seconds \[s\].
+pub(crate) fn duration(text: &str) -> Result<f64, String> {
+    let parsed =
+        text.parse::<f64>().ok().or_else(|| humantime::parse_duration(text).ok().map(|time| time.as_secs_f64()));
+    let usable = parsed.filter(|&seconds| seconds > 0.0 && seconds < 1e9);
+    usable.ok_or_else(|| "expected a time such as 90s, 10m or 1h30m".into())
+}
+
 /// `X,Y`.
 pub(crate) fn pixel(text: &str) -> Result<Pixel, String> {
     let parse = || {

@@ -11,9 +11,11 @@ mod method;
 mod paths;
 mod progress;
 mod pyramid;
+mod reference;
 mod render;
 mod replay;
 mod scene;
+mod score;
 mod session;
 mod verify;
 mod what_if;
@@ -31,7 +33,7 @@ Exit codes:
   0    done (values that cannot be right are counted and told on stderr, and do not change the code)
   1    a scene, film or file cannot be used: one line `error: FILE: place: what; remedy` on stderr
   2    the command line makes no sense: unknown option, integrator or setting
-  3    compare: two methods estimate different images, told after everything is written
+  3    compare, reference: two methods estimate different images, told after everything is written
   130  interrupted by Ctrl-C or SIGTERM after what was finished has been written";
 
 /// Path-space light transport: renders glTF scenes and says how certain each image is.
@@ -46,6 +48,8 @@ struct Cli {
 enum Command {
     Render(Box<render::RenderArgs>),
     Compare(Box<compare::CompareArgs>),
+    Reference(reference::ReferenceArgs),
+    Score(score::ScoreArgs),
     Pyramid(pyramid::PyramidArgs),
     Paths(Box<paths::PathsArgs>),
     Export(export::ExportArgs),
@@ -91,6 +95,8 @@ pub fn main(registry: &Registry) -> ExitCode {
     let result = match &cli.command {
         Command::Render(args) => render::run(registry, args),
         Command::Compare(args) => compare::run(registry, args),
+        Command::Reference(args) => reference::run(registry, args),
+        Command::Score(args) => score::run(args),
         Command::Pyramid(args) => pyramid::run(args),
         Command::Paths(args) => paths::run(registry, args),
         Command::Export(args) => export::run(args),

@@ -11,10 +11,11 @@ use cpu_time::ProcessTime;
 use xxhash_rust::xxh3::xxh3_64;
 
 use crate::estimator::{Control, Registry};
-use crate::film::{Film, RenderInfo, state};
+use crate::film::{Film, Image, RenderInfo, state};
 use crate::report::{Agreement, AgreementSettings, Reference, Verdict};
 
 use super::Subject;
+use super::budget::Budget;
 use super::error::ExperimentError;
 use super::files::file_name;
 use super::method::{self, MethodKind};
@@ -51,8 +52,17 @@ pub struct Wanted<'a> {
     pub plan: &'a ScenePlan,
     /// `name:key=value:…` of the registry.
     pub method: &'a str,
-    /// Rendering time at least spent on it \[s\], in all.
-    pub seconds: f64,
+    /// Rendering time or samples at least spent on it, in all.
+    pub until: Budget,
+}
+
+impl Wanted<'_> {
+    fn spent(&self, film: &Film, info: &RenderInfo) -> f64 {
+        match self.until {
+            Budget::Seconds(_) | Budget::Error(_) => info.render_seconds,
+            Budget::Spp(_) => film.passes() as f64,
+        }
+    }
 }
 
 /// A reference that is kept.
@@ -76,8 +86,36 @@ pub fn default_folder() -> PathBuf {
         .unwrap_or_else(|| PathBuf::from(".pathspace-cache"))
 }
 
+impl Kept {
+    /// With the variance of its pixels.
+    #[must_use]
+    pub fn reference(&self) -> Reference {
+        let square = |error: Image| Image { pixels: error.pixels.iter().map(|&e| e * e).collect(), ..error };
+        Reference { mean: self.film.mean_image(), variance: self.film.standard_error_image().map(square) }
+    }
+
+    /// What it is, in words.
+    #[must_use]
+    pub fn words(&self) -> String {
+        format!("{}, {} spp in {:.0} s", self.method, self.film.passes(), self.info.render_seconds)
+    }
+
+    /// Root mean square of its pixels' standard errors over the mean of the image; `None` below two passes.
+    #[must_use]
+    pub fn noise(&self) -> Option<f64> {
+        let error = self.film.standard_error_image()?;
+        let values = |image: &Image| image.pixels.iter().flat_map(|pixel| pixel.to_array()).collect::<Vec<_>>();
+        let (errors, means) = (values(&error), values(&self.film.mean_image()));
+        let count = errors.len() as f64;
+        let square = errors.iter().map(|error| error * error).sum::<f64>() / count;
+        Some(square.sqrt() / (means.iter().sum::<f64>() / count))
+    }
+}
+
 impl Cache<'_> {
-    fn folder_of(&self, subject: &Subject, plan: &ScenePlan) -> PathBuf {
+    /// Where the references of a scene lie.
+    #[must_use]
+    pub fn folder_of(&self, subject: &Subject, plan: &ScenePlan) -> PathBuf {
         let key = format!("{} {:?} {}", subject.fingerprint, plan.film, plan.max_length);
         self.folder.join("references").join(format!("{}_{:016x}", file_name(&plan.name), xxh3_64(key.as_bytes())))
     }
@@ -115,17 +153,10 @@ impl Cache<'_> {
                 )));
             }
         }
-        let words = format!("{}, {} spp in {:.0} s", ours.method, ours.film.passes(), ours.info.render_seconds);
-        let square = |mut image: crate::film::Image| {
-            image.pixels.iter_mut().for_each(|error| *error = *error * *error);
-            image
-        };
-        let reference =
-            Reference { mean: ours.film.mean_image(), variance: ours.film.standard_error_image().map(square) };
-        Ok((reference, words))
+        Ok((ours.reference(), ours.words()))
     }
 
-    /// Renders until all of the wanted time is spent on the reference; goes on with what is there.
+    /// Renders until all that is wanted is spent on the reference; goes on with what is there.
     ///
     /// # Errors
     /// Where the method cannot render it, the user stops, or a file cannot be written.
@@ -170,16 +201,16 @@ impl Cache<'_> {
         let id =
             RunId { number: 1, of: 1, scene: plan.name.clone(), method: format!("reference by {text}"), seed: SEED };
         self.observer.begin(&id);
-        while info.render_seconds < wanted.seconds && !self.observer.stopped() {
-            let until = wanted.seconds.min(info.render_seconds + SAVE_EVERY);
-            let mut clock = Clock { until, all: wanted.seconds, info: &mut info, observer: self.observer, batch: None };
+        let end = wanted.until.end();
+        while wanted.spent(&film, &info) < end && !self.observer.stopped() {
+            let save_at = info.render_seconds + SAVE_EVERY;
+            let mut clock = Clock { wanted, save_at, info: &mut info, observer: self.observer, batch: None };
             self.pool.install(|| integrator.render(&subject.scene, SEED, &mut film, &mut clock));
             state::save(&file, &film, &info)?;
         }
-        if info.render_seconds < wanted.seconds {
+        if wanted.spent(&film, &info) < end {
             let spent = info.render_seconds;
-            let what =
-                format!("{}: reference stopped after {spent:.0} of {:.0} s; it goes on", plan.name, wanted.seconds);
+            let what = format!("{}: reference stopped after {spent:.0} s; it goes on where it was", plan.name);
             return Err(ExperimentError::Stopped(what));
         }
         Ok(())
@@ -205,8 +236,9 @@ pub fn compare(a: &Kept, b: &Kept) -> Result<Option<Agreement>, ExperimentError>
 }
 
 struct Clock<'a> {
-    until: f64,
-    all: f64,
+    wanted: &'a Wanted<'a>,
+    /// Rendering time at which what is done is written \[s\].
+    save_at: f64,
     info: &'a mut RenderInfo,
     observer: &'a mut (dyn Observer + Send),
     batch: Option<(Instant, ProcessTime, u64)>,
@@ -221,13 +253,18 @@ impl Control for Clock<'_> {
             self.info.cpu_seconds += processor.elapsed().as_secs_f64();
             per_pass = wall / (film.passes() - passes).max(1) as u32;
         }
-        let seconds = self.info.render_seconds;
-        self.observer.progress(&Standing { share: seconds / self.all, seconds, spp: film.passes(), rmse: None });
-        if seconds >= self.until || self.observer.stopped() {
+        let (seconds, spent, end) =
+            (self.info.render_seconds, self.wanted.spent(film, self.info), self.wanted.until.end());
+        self.observer.progress(&Standing { share: spent / end, seconds, spp: film.passes(), rmse: None });
+        if spent >= end || seconds >= self.save_at || self.observer.stopped() {
             return 0;
         }
         self.batch = Some((Instant::now(), ProcessTime::now(), film.passes()));
         let fitting = LOOK_EVERY / per_pass.as_secs_f64();
-        if fitting.is_finite() { (fitting as u64).max(1) } else { 1 }
+        let passes = if fitting.is_finite() { (fitting as u64).max(1) } else { 1 };
+        match self.wanted.until {
+            Budget::Spp(spp) => passes.min(spp - film.passes()),
+            Budget::Seconds(_) | Budget::Error(_) => passes,
+        }
     }
 }

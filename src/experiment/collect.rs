@@ -14,7 +14,7 @@ use super::mask;
 use super::method::{MITSUBA, name_of};
 use super::plan::{Record, ScenePlan};
 use super::seeds::seed_of;
-use super::{job, reference};
+use super::{job, reference, score};
 
 /// What an experiment has found.
 #[derive(Clone, Debug)]
@@ -147,6 +147,7 @@ fn collect_scene(
         }
         members.push(member);
     }
+    report.rows.extend(score::rows_of(folder, &scene.name)?);
     members.retain(|member| !member.pool.is_empty());
     let file = folder.reference(&scene.name);
     let reference = if file.exists() { Some(reference::read_reference(&file)?) } else { None };

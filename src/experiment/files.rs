@@ -5,6 +5,7 @@
 //! *.csv             tables over all finished runs
 //! references/       SCENE.exr: what errors are measured against, with its standard error
 //! runs/             SCENE/METHOD/SEED/: one run
+//! scored/           SCENE/METHOD.csv: rows of images that other programs have made
 //! images/           SCENE/METHOD.exr and .png: means over seeds; in the .exr, their variance and efficiency too
 //! mitsuba/          SCENE/: the scene as Mitsuba reads it
 //! ```
@@ -19,6 +20,7 @@ use crate::film::exr::{NamedLayer, write_exr};
 use crate::film::output::write_atomically;
 use crate::film::png::write_png;
 use crate::film::{Image, RenderInfo};
+use crate::report::Reference;
 use crate::scene::SceneDescription;
 use crate::scene::mitsuba::{ExportError, ExportOptions, export};
 
@@ -31,7 +33,7 @@ use super::reference::Truth;
 const MANIFEST: &str = "experiment.toml";
 
 /// What a folder of an experiment holds, of which nothing is left when another takes its place.
-const CONTENTS: [&str; 12] = [
+const CONTENTS: [&str; 13] = [
     MANIFEST,
     "rows.csv",
     "curves.csv",
@@ -40,6 +42,7 @@ const CONTENTS: [&str; 12] = [
     "agreement.csv",
     "references",
     "runs",
+    "scored",
     "images",
     "mitsuba",
     "report.html",
@@ -141,17 +144,7 @@ impl Folder {
         let Some(reference) = &truth.reference else { return Ok(()) };
         let file = self.reference(scene);
         self.folder("references")?;
-        let info = RenderInfo {
-            scene: scene.into(),
-            integrator: truth.words.clone(),
-            version: env!("CARGO_PKG_VERSION").into(),
-            ..RenderInfo::default()
-        };
-        let error = reference.variance.as_ref().map(|variance| {
-            let pixels = variance.pixels.iter().map(|pixel| pixel.map(f64::sqrt)).collect();
-            NamedLayer { name: "standard_error".into(), image: Image { pixels, ..*variance } }
-        });
-        Ok(write_exr(&file, &reference.mean, error, &info, 0, &[])?)
+        write_reference(&file, scene, &truth.words, reference)
     }
 
     /// `images/SCENE/METHOD.exr` and `.png`.
@@ -172,12 +165,41 @@ impl Folder {
         Ok(write_png(&folder.join(format!("{name}.png")), image, 0.0)?)
     }
 
+    /// Makes `scored/SCENE` and writes `images/SCENE/METHOD.exr` and `.png` of an image of another program.
+    pub(super) fn write_scored(&self, scene: &str, method: &str, mean: Option<&Image>) -> Result<(), ExperimentError> {
+        self.folder(&format!("scored/{}", file_name(scene)))?;
+        let Some(image) = mean else { return Ok(()) };
+        let folder = self.folder(&format!("images/{}", file_name(scene)))?;
+        let info = RenderInfo { scene: scene.into(), integrator: method.into(), ..RenderInfo::default() };
+        let name = file_name(method);
+        write_exr(&folder.join(format!("{name}.exr")), image, [], &info, 0, &[])?;
+        Ok(write_png(&folder.join(format!("{name}.png")), image, 0.0)?)
+    }
+
     fn folder(&self, name: &str) -> Result<PathBuf, ExperimentError> {
         let folder = self.path.join(name);
         fs::create_dir_all(&folder)
             .map_err(|error| ExperimentError::Scene(format!("{}: cannot be made: {error}", folder.display())))?;
         Ok(folder)
     }
+}
+
+/// An image with its standard error, as [`super::reference`] reads it.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_reference(file: &Path, scene: &str, words: &str, reference: &Reference) -> Result<(), ExperimentError> {
+    let info = RenderInfo {
+        scene: scene.into(),
+        integrator: words.into(),
+        version: env!("CARGO_PKG_VERSION").into(),
+        ..RenderInfo::default()
+    };
+    let error = reference.variance.as_ref().map(|variance| {
+        let pixels = variance.pixels.iter().map(|pixel| pixel.map(f64::sqrt)).collect();
+        NamedLayer { name: "standard_error".into(), image: Image { pixels, ..*variance } }
+    });
+    Ok(write_exr(file, &reference.mean, error, &info, 0, &[])?)
 }
 
 /// A name as the name of a file on any system: letters, digits, `.`, `-` and `_` stay, all else becomes `_`.

@@ -25,6 +25,7 @@ mod plan;
 mod process;
 mod reference;
 mod run;
+mod score;
 pub mod seeds;
 
 pub use agreement::{AgreementRow, REFERENCE};
@@ -32,13 +33,14 @@ pub use budget::Budget;
 pub use collect::{Report, collect};
 pub use entry::StringOr;
 pub use error::ExperimentError;
-pub use files::Folder;
+pub use files::{Folder, write_reference};
 pub use machine::Machine;
 pub use manifest::{Manifest, MethodEntry, SceneEntry};
 pub use mitsuba::Mitsuba;
 pub use plan::{MethodPlan, Plan, Record, ScenePlan};
-pub use reference::{ReferencePolicy, RenderedReference};
+pub use reference::{ReferencePolicy, RenderedReference, read_reference};
 pub use run::{Made, Observer, Renderers, RunId, Standing, Unfinished, missing, run};
+pub use score::{Listed, read_list, score, score_into};
 
 use crate::scene::{Scene, SceneDescription};
 

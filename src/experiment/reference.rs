@@ -12,6 +12,7 @@ use crate::scene::description;
 use crate::spectrum::Rgb;
 
 use super::Subject;
+use super::budget::Budget;
 use super::cache::{Cache, Wanted};
 use super::error::ExperimentError;
 use super::plan::ScenePlan;
@@ -131,7 +132,7 @@ pub(super) fn resolve(
         (ReferencePolicy::None, _) => Ok(Truth { words: "none".into(), reference: None, exact: None }),
         (ReferencePolicy::File(file), _) => read(subject, file),
         (ReferencePolicy::Rendered(RenderedReference { method, seconds }), _) => {
-            let wanted = Wanted { subject, plan, method, seconds: *seconds };
+            let wanted = Wanted { subject, plan, method, until: Budget::Seconds(*seconds) };
             let (reference, words) = cache.reference(&wanted)?;
             Ok(Truth { words, reference: Some(reference), exact: None })
         }
@@ -141,7 +142,7 @@ pub(super) fn resolve(
                 return Err(refuse(format!("the enclosure has no finite radiance without a longest path; {REMEDY}")));
             }
             let constant = |value| Image::constant(film.width, film.height, value);
-            let reference = Reference { mean: constant(exact)?, variance: Some(constant(Rgb::BLACK)?) };
+            let reference = Reference::exact(constant(exact)?);
             Ok(Truth {
                 words: "exact: the enclosure's radiance".into(),
                 reference: Some(reference),
@@ -183,7 +184,10 @@ fn read(subject: &Subject, file: &Path) -> Result<Truth, ExperimentError> {
 }
 
 /// A reference with its variance, where the file has it.
-pub(super) fn read_reference(file: &Path) -> Result<Reference, ExperimentError> {
+///
+/// # Errors
+/// Where it cannot be read, or holds no image or one that is not finite.
+pub fn read_reference(file: &Path) -> Result<Reference, ExperimentError> {
     let failed = |error| ExperimentError::Scene(format!("reference: {error}; {REMEDY}"));
     let mut layers = read_layers(file, |name| ["", "standard_error"].contains(&name)).map_err(failed)?.layers;
     let refuse = |what: &str| ExperimentError::Scene(format!("{}: {what}; {REMEDY}", file.display()));

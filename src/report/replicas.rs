@@ -46,6 +46,12 @@ impl Replicas {
         }
     }
 
+    /// The mean of all.
+    #[must_use]
+    pub fn mean(&self) -> Option<&Image> {
+        self.mean.as_ref()
+    }
+
     /// Of one image, pixel by pixel; `None` below two images.
     #[must_use]
     pub fn variance_image(&self) -> Option<Image> {

@@ -1,7 +1,7 @@
 //! `compare`: scenes × methods × seeds, beside Mitsuba.
 
-mod tables;
-mod watch;
+pub(super) mod tables;
+pub(super) mod watch;
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -181,7 +181,7 @@ fn outcome(made: &Made, report: Option<&Report>) -> Outcome {
 }
 
 /// An error that the user's words have caused is told apart by the exit code.
-fn usage(error: ExperimentError) -> anyhow::Error {
+pub(super) fn usage(error: ExperimentError) -> anyhow::Error {
     match error {
         error if error.is_usage() => UsageError(error.to_string()).into(),
         ExperimentError::Stopped(what) => super::Stopped(what).into(),
@@ -304,7 +304,7 @@ fn load_all(manifest: &Manifest) -> anyhow::Result<Vec<Subject>> {
     manifest.scenes.iter().map(|entry| load(entry)).collect()
 }
 
-fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<Subject> {
+pub(super) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<Subject> {
     let start = Instant::now();
     let loaded = scene::load(word, options)?;
     let all = start.elapsed().as_secs_f64();

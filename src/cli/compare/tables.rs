@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::experiment::{AgreementRow, REFERENCE, Report};
 use crate::report::{Metric, VerdictRow, cut, number, tables};
 
-pub(super) fn show(report: &Report, folder: &Path) -> io::Result<()> {
+pub(in crate::cli) fn show(report: &Report, folder: &Path) -> io::Result<()> {
     let mut out = io::stdout().lock();
     for scene in report.scenes() {
         for (method, why) in &scene.skipped {

@@ -11,7 +11,7 @@ use crate::experiment::{Budget, Observer, RunId, Standing, Unfinished};
 use crate::report::Row;
 
 /// Shows a bar in a terminal, and in a pipe a line for each finished run.
-pub(super) struct Watch {
+pub(in crate::cli) struct Watch {
     bar: ProgressBar,
     budget: Budget,
     run: Option<(RunId, Instant)>,
@@ -22,7 +22,7 @@ pub(super) struct Watch {
 }
 
 impl Watch {
-    pub(super) fn new(budget: Budget) -> Self {
+    pub(in crate::cli) fn new(budget: Budget) -> Self {
         let bar = if io::stderr().is_terminal() { ProgressBar::new(1000) } else { ProgressBar::hidden() };
         let style = ProgressStyle::with_template("[{bar:16}] {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style.progress_chars("=> "));
@@ -37,7 +37,7 @@ impl Watch {
     }
 
     /// Takes the bar away.
-    pub(super) fn close(&self) {
+    pub(in crate::cli) fn close(&self) {
         self.bar.finish_and_clear();
     }
 

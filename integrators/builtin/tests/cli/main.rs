@@ -7,6 +7,7 @@ mod interruption;
 mod layers;
 mod output;
 mod paths;
+mod references;
 mod reproducibility;
 mod resumption;
 mod sample_files;
