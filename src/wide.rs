@@ -43,6 +43,12 @@ impl Wide {
         (self.is_zero() || value.is_normal()).then_some(value)
     }
 
+    /// Mantissa, in `[1, 2)` where the number is above zero and finite, and exponent.
+    #[must_use]
+    pub fn parts(self) -> (f64, i64) {
+        (self.mantissa, self.exponent)
+    }
+
     /// Natural logarithm; −∞ for zero.
     #[must_use]
     pub fn ln(self) -> f64 {

@@ -42,6 +42,8 @@ def build() -> GltfScene:
         {
             "film": {"width": 256, "height": 256},
             "reference": {"image": {"file": "reference.exr", "max_length": None}},
+            # Where the whole lamp is in sight, and what leaves it.
+            "sensors": {"floor": "irradiance:0.4,0.001,0.1:0,1,0", "lamp": "flux:light:leaving"},
         },
     )
     white = scene.diffuse("white", spectra.reflectance(spectra.WHITE))

@@ -15,7 +15,15 @@ def build() -> GltfScene:
     answer = {"emission": list(EMISSION), "reflectance": list(REFLECTANCE)}
     scene = GltfScene(
         "enclosure",
-        {"film": {"width": 64, "height": 64}, "reference": {"enclosure": answer}},
+        {
+            "film": {"width": 64, "height": 64},
+            "reference": {"enclosure": answer},
+            "sensors": {
+                "centre": "irradiance:0,0,0:0,1,0",
+                "floor": "flux:-1,-0.749999,-1.5:0,0,3:2,0,0",
+                "ray": "radiance:0.3,0.1,0.9:-0.8,-0.4,-1.9",
+            },
+        },
     )
     wall = scene.diffuse("wall", REFLECTANCE, emission=EMISSION)
     room = box((-1.0, -0.75, -1.5), (1.0, 0.75, 1.5), inside_out=True)

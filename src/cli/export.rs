@@ -14,6 +14,7 @@ use super::scene::{self, LoadOptions};
 /// Write a scene for Mitsuba 3: DIR/scene.xml and its meshes
 ///
 /// Radiance keeps its unit and one path length is the other's: max_depth is --max-length. The filter is a box.
+/// Sensors besides the camera, in the scene's extras, are left out.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  pathspace export cornell_box /tmp/cornell_box")]
 pub(super) struct ExportArgs {

@@ -27,20 +27,25 @@ glass), then E. --where takes a regular expression that the whole path matches:
   LS+DE      caustics                  L.*S.*E    with any mirror
   L[DG]SE    in a mirror or glass      L.{3,}E    three bounces or more
 
-Fields of a JSON line, schema 1. null is what is absent; numbers read back to
+Fields of a JSON line, schema 2. null is what is absent; numbers read back to
 the same bits; positions are in metres in the world.
   schema scene integrator seed pixel sample path
                        where it is from; `path` numbers the terms of a sample
   seen_by              the pixel it adds to, another than `pixel` where a walk
                        from a light has found the sensor
   notation edges s t   letters, length, vertices drawn from emitter and sensor
-  weight contribution  w, and the term w f/(n p)
+  sampler              the one of techniques[] that drew it, by its `sampler`
+  weight contribution  w, and the term w f/(n p P)
   f ln_f ln_p          measurement contribution; density of its own technique
                        in area measure; ln: natural logarithm
   heuristic roulette   what the weight depends on beside the densities
-  techniques[]         s t sampler n ln_p f_over_p; those that can draw it
-                       for balance, over all of them:
-                       1/weight = sum_j n_j exp(ln_p_j) / (n_i exp(ln_p_i));
+  techniques[]         s t sampler n length_probability p ln_p f_over_p; the
+                       samplers that can draw it, by number: n samples,
+                       P = length_probability (not 1 for a length drawn in
+                       advance), p: mantissa * 2^exponent. With i the line's
+                       sampler and r_j = n_j p_j / (n_i p_i),
+                         balance: 1/weight = sum_j r_j, power: sum_j r_j^exponent
+                         contribution = weight f_over_p_i / (n_i P)
                        f_over_p = f/p is the target in primary sample space,
                        where the density of the sampler is one
   vertices[]           position normal letter kind dirac; material and emitter
@@ -196,7 +201,8 @@ impl Search<'_> {
                 ply.write(out)?;
             }
             Format::Table => {
-                let table = PathTable { vertices: self.args.vertices };
+                let definition = self.method.integrator.definition(2);
+                let table = PathTable::new(self.args.vertices, definition.as_ref());
                 writeln!(out, "{}, {}, seed {}", self.scene.name(), self.method.label, self.args.seed)?;
                 write!(out, "{}", table.header())?;
                 self.each(found, |record| write!(out, "{}", table.lines(&record)))?;

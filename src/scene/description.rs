@@ -8,6 +8,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
+use super::meter::NamedMeter;
 use crate::spectrum::Rgb;
 
 /// A whole scene as its file describes it.
@@ -29,6 +30,8 @@ pub struct SceneDescription {
     pub environment: Option<Rgb>,
     /// The camera; `None` asks for one that frames the scene.
     pub sensor: Option<SensorDescription>,
+    /// Sensors besides the camera, which `measure` measures.
+    pub meters: Vec<NamedMeter>,
     /// Size of the image in pixels; `None` leaves it to the command line or the default.
     pub film: Option<FilmSize>,
     /// Settings that the scene suggests for a comparison.

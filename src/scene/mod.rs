@@ -8,6 +8,7 @@ pub mod discrete;
 pub mod emitter;
 pub mod error;
 pub mod gltf;
+pub mod meter;
 pub mod mitsuba;
 mod scatter;
 pub mod sensor;

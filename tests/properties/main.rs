@@ -7,6 +7,7 @@ mod definition;
 mod experiment;
 mod known_answers;
 mod path_log;
+mod path_log_recomputed;
 mod radiosity;
 mod range;
 mod visibility;

@@ -1,23 +1,42 @@
 //! The path log: what a sampler drew, path by path, with every density that is needed to think about it.
 //!
-//! # JSON lines, schema 1
+//! # JSON lines, schema 2
 //!
 //! One line is one [`PathRecord`], a term of the estimator with its path; the fields are documented there and in the
 //! types that it holds, and nowhere else. Conventions:
 //!
 //! - Numbers have as many digits as bring back the same bits. Densities and contributions of whole paths can be beyond
-//!   every `f64`, so they are given by their natural logarithm, `ln_p` and `ln_f`.
+//!   every `f64`, so they are given by their natural logarithm, `ln_p` and `ln_f`, and densities as `mantissa · 2^exponent`
+//!   too, `p`, without rounding.
 //! - `null` is what is absent: the logarithm of zero, a plain number out of range, a density in a measure in which there is
 //!   none. It is also what NaN and ∞ become, which no right contribution is.
 //! - Lengths are in metres in the world. x_0 lies on an emitter, x_k on the sensor.
 //!
-//! # Recomputing the weight
+//! Schema 2 added `sampler` of the line, and `length_probability` and `p` of its `techniques`.
 //!
-//! With the balance heuristic, over the techniques j of the integrator,
+//! # Recomputing weight and contribution
 //!
-//! `1 / weight = Σ_j n_j p_j / (n_i p_i) = Σ_j (n_j / n_i) exp(ln_p_j − ln_p_i)`.
+//! Let i be the sampler that drew the path, the one of `techniques` with the line's `sampler` (s and t do not tell: several
+//! samplers may have the same). With `r_j = n_j p_j / (n_i p_i)` for all samplers j of `techniques`, in that order, so that
+//! `r_i = 1`, and with the line's `heuristic`,
 //!
-//! `contribution = weight · f / (n_i p_i)`, that is, `weight / n` times `f_over_p` of the path's own technique.
+//! | kind | weight |
+//! |---|---|
+//! | `balance` | `1 / Σ_j r_j` |
+//! | `power` | `1 / Σ_j r_j^exponent` |
+//! | `maximum` | 1 where `r_j < 1` for j before i and `r_j ≤ 1` for j after it, else 0 |
+//! | `cutoff` | 1 over the sum of the `r_j ≥ threshold · max r`, 0 where r_i is not among them |
+//!
+//! Samplers that are missing have `r_j = 0`. Maximum and cutoff compare densities that may well be equal, as those of one
+//! direction by cosine and by a diffuse BSDF are: hence the digits of `p`. Rounded logarithms can be equal where densities
+//! are not.
+//!
+//! `contribution = weight · f / (n_i p_i P)`, that is, `weight / (n_i P)` times `f_over_p` of sampler i (exp(ln_f − ln_p)
+//! where a number is out of range). P is its `length_probability`: P(N = k) where a single length N is drawn in advance
+//! (`terms=single`), P(N ≥ k) where all up to N are estimated (`terms=up_to`), else one. It is the same for all samplers of
+//! a combination, so weights are free of it.
+//!
+//! An integrator whose weights depend on more than densities, such as optimal weights, has no `techniques` in its lines.
 //!
 //! # From vertices to p
 //!
@@ -36,13 +55,15 @@
 //!
 //! (Kelemen et al. 2002). The target there is f/p, and each technique has a cube and an S of its own: the same path has as
 //! many targets as techniques can draw it, [`TechniqueRecord::f_over_p`], while f(x̄) is one. Where f/p is flat in u, a
-//! technique is good; weighted by MIS, targets are w f/p.
+//! technique is good; weighted by MIS, targets are w f/p. Where the length is drawn in advance, the cube has one more side, the
+//! length's random number, and the target is f/p over P where that number gives the length and zero elsewhere.
 
 mod ply;
 mod record;
 mod table;
 
 pub use ply::PlyWriter;
+pub use record::WideRecord;
 pub use record::{DensityRecord, DiracRecord, NamedId, PathRecord, RouletteRecord, TechniqueRecord, VertexRecord};
 pub use record::{Origin, SCHEMA};
 pub use table::PathTable;

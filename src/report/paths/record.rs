@@ -14,7 +14,7 @@ use crate::scene::bsdf::Side;
 use crate::wide::Wide;
 
 /// The version of the lines that this library writes.
-pub const SCHEMA: u32 = 1;
+pub const SCHEMA: u32 = 2;
 
 /// A term of the estimator with its path; see [the module](super) for the conventions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -43,22 +43,24 @@ pub struct PathRecord {
     pub s: u32,
     /// Vertices drawn from the sensor.
     pub t: u32,
-    /// `w_{s,t}(x̄)`, the weight of the technique that drew the path.
+    /// Which of `techniques` drew the path, by its `sampler`: several may have the same s and t.
+    pub sampler: Option<u32>,
+    /// `w_i(x̄)`, the weight of the sampler that drew the path.
     pub weight: f64,
-    /// `w f / (n p)` by channel, what the path adds to its pixel: radiance \[W/m²/sr\].
+    /// `w_i f / (n_i p_i P)` by channel, what the path adds to its pixel: radiance \[W/m²/sr\].
     pub contribution: [Option<f64>; 3],
     /// `f_j(x̄)` by channel, the measurement contribution; `null` where a channel is out of the range of `f64`.
     pub f: Option<[f64; 3]>,
     /// `ln f_j(x̄)` by channel.
     pub ln_f: [Option<f64>; 3],
-    /// `ln p_{s,t}(x̄)` of the technique that drew the path, in area measure.
+    /// `ln p_i(x̄)` of the sampler that drew the path, in area measure.
     pub ln_p: Option<f64>,
-    /// How techniques share the path. `null`, like `roulette` and `techniques`, for an integrator that is more than a set of
+    /// How samplers share the path. `null`, like `roulette` and `techniques`, for an integrator that is more than a set of
     /// bidirectional techniques.
     pub heuristic: Option<Heuristic>,
     /// How the walks end.
     pub roulette: Option<RouletteRecord>,
-    /// All techniques for paths of this length, in order of s.
+    /// The samplers that can draw the path, in the order of the integrator's definition.
     pub techniques: Option<Vec<TechniqueRecord>>,
     /// x_0 … x_k.
     pub vertices: Vec<VertexRecord>,
@@ -80,15 +82,29 @@ pub struct TechniqueRecord {
     pub s: u32,
     /// Vertices drawn from the sensor.
     pub t: u32,
-    /// Number of the sampler in the integrator's definition.
+    /// Number of the sampler in the integrator's definition, from 0; those that cannot draw the path have no entry.
     pub sampler: u32,
-    /// How many of its samples serve a pixel in one pass.
+    /// `n_i`, how many of its samples serve a pixel in one pass.
     pub n: f64,
-    /// `ln p(x̄)` in area measure.
+    /// `P`, the probability that a sample estimates paths of this length at all: below one where it is drawn in advance. What
+    /// is drawn has the density `P p_i`.
+    pub length_probability: f64,
+    /// `p_i(x̄)` in area measure, given the length, with every digit.
+    pub p: Option<WideRecord>,
+    /// `ln p_i(x̄)`.
     pub ln_p: Option<f64>,
-    /// `f(x̄) / p_{s,t}(x̄)` by channel: the target in this technique's primary sample space, where its own density is one.
+    /// `f(x̄) / p_i(x̄)` by channel: the target in this technique's primary sample space, where its own density is one.
     /// `null` where a channel is out of the range of `f64`.
     pub f_over_p: Option<[f64; 3]>,
+}
+
+/// A [`Wide`] number, `mantissa · 2^exponent`.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct WideRecord {
+    /// In `[1, 2)`.
+    pub mantissa: f64,
+    /// The power of two.
+    pub exponent: i64,
 }
 
 /// A vertex of the path.
@@ -189,6 +205,7 @@ impl PathRecord {
             edges: path.edges() as u32,
             s: term.technique.s,
             t: term.technique.t,
+            sampler: own.map(|own| own.sampler).or(term.sampler),
             weight: term.weight,
             contribution: term.value.to_array().map(finite),
             f: f.and_then(plain),
@@ -202,8 +219,17 @@ impl PathRecord {
     }
 }
 
+impl PathRecord {
+    /// What the sampler that drew the path has to do with it.
+    #[must_use]
+    pub fn own(&self) -> Option<&TechniqueRecord> {
+        self.techniques.iter().flatten().find(|by| Some(by.sampler) == self.sampler)
+    }
+}
+
 /// Of the samplers that can draw the path.
 fn techniques(definition: &Combination, scene: &Scene, path: &Path, f: Option<[Wide; 3]>) -> Vec<TechniqueRecord> {
+    let length_probability = definition.lengths.probability(path.edges() as u32);
     let record = |(i, sampler): (usize, &Arc<dyn PathSampler>)| {
         let (p, technique) = (sampler.density(scene, path), sampler.technique(path.edges() as u32));
         (!p.is_zero()).then(|| TechniqueRecord {
@@ -211,6 +237,8 @@ fn techniques(definition: &Combination, scene: &Scene, path: &Path, f: Option<[W
             t: technique.t,
             sampler: i as u32,
             n: sampler.count(scene),
+            length_probability,
+            p: WideRecord::new(p),
             ln_p: finite(p.ln()),
             f_over_p: f.and_then(|f| plain(f.map(|channel| channel / p))),
         })
@@ -247,6 +275,13 @@ fn vertices(scene: &Scene, rules: Option<WalkRules>, path: &Path) -> Vec<VertexR
         },
     };
     path.vertices().iter().enumerate().map(vertex).collect()
+}
+
+impl WideRecord {
+    fn new(number: Wide) -> Option<Self> {
+        let (mantissa, exponent) = number.parts();
+        mantissa.is_finite().then_some(Self { mantissa, exponent })
+    }
 }
 
 impl DensityRecord {

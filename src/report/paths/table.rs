@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use crate::estimator::Combination;
 use crate::report::table::number;
 use crate::report::{TABLE_WIDTH, cut};
 use crate::spectrum::Rgb;
@@ -13,9 +14,24 @@ use super::{DensityRecord, PathRecord, VertexRecord};
 pub struct PathTable {
     /// Show the vertices too.
     pub vertices: bool,
+    /// Show the number of the sampler: several have the same (s, t).
+    pub samplers: bool,
+    /// Show the probability of the length: it is drawn in advance.
+    pub lengths: bool,
 }
 
 impl PathTable {
+    /// What there is to tell of the paths of an integrator.
+    #[must_use]
+    pub fn new(vertices: bool, definition: Option<&Combination>) -> Self {
+        // Longer than all that a sampler may have of its own: shorter paths can look like another technique.
+        const LONG: u32 = 1 << 20;
+        let technique = |i: usize| definition.map(|definition| definition.samplers[i].technique(LONG));
+        let count = definition.map_or(0, |definition| definition.samplers.len());
+        let samplers = (0..count).any(|i| (0..i).any(|j| technique(i) == technique(j)));
+        Self { vertices, samplers, lengths: definition.is_some_and(|definition| definition.lengths.ends()) }
+    }
+
     /// The names of the columns.
     #[must_use]
     pub fn header(&self) -> String {
@@ -37,6 +53,12 @@ impl PathTable {
     #[must_use]
     pub fn legend(&self) -> String {
         let mut text = "adds, f: luminance of w f/(n p) [W/m²/sr] and of f(x̄); p: in area; →: seen by\n".to_owned();
+        if self.samplers {
+            text += "#: number of the sampler, from 0\n";
+        }
+        if self.lengths {
+            text += "P: probability of the length, drawn in advance; adds is over P, too\n";
+        }
         if self.vertices {
             text += "p_emitter, p_sensor: density in walks from either end [1/m²]; δ: Dirac\n";
         }
@@ -59,13 +81,20 @@ impl PathTable {
             luminance(record.f),
             record.ln_p.map_or("-".to_owned(), |ln_p| format!("{ln_p:.2}")),
         );
-        let elsewhere = if record.seen_by == record.pixel {
-            String::new()
+        let mut more = String::new();
+        if let Some(sampler) = record.sampler.filter(|_| self.samplers) {
+            let _ = write!(more, " #{sampler}");
+        }
+        if let Some(probability) = record.own().map(|own| own.length_probability).filter(|_| self.lengths) {
+            let _ = write!(more, " P={}", number(probability));
+        }
+        let more = if record.seen_by == record.pixel {
+            more
         } else {
-            format!(" →{},{}", record.seen_by[0], record.seen_by[1])
+            format!("{more} →{},{}", record.seen_by[0], record.seen_by[1])
         };
-        let left = TABLE_WIDTH.saturating_sub(start.chars().count() + elsewhere.chars().count()).max(4);
-        let mut text = format!("{start}{}{elsewhere}\n", cut(&record.notation, left));
+        let left = TABLE_WIDTH.saturating_sub(start.chars().count() + more.chars().count()).max(4);
+        let mut text = format!("{start}{}{more}\n", cut(&record.notation, left));
         if self.vertices {
             for (i, vertex) in record.vertices.iter().enumerate() {
                 text += &vertex_line(i, vertex);

@@ -1,5 +1,7 @@
 //! The object `pathspace` in `extras`: what glTF itself cannot say.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -16,6 +18,8 @@ pub(super) struct SceneExtras {
     pub film: Option<FilmSize>,
     pub render: Option<RenderHints>,
     pub reference: Option<Reference>,
+    /// By name.
+    pub sensors: BTreeMap<String, Value>,
 }
 
 /// `nodes[i].extras.pathspace`.

@@ -34,6 +34,7 @@ mod instancing;
 mod light;
 mod material;
 mod primitive;
+mod sensors;
 mod shapes;
 mod surface;
 mod tally;
@@ -99,14 +100,15 @@ fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SceneD
         None => (None, None),
     };
     let scene = document.exact.scenes.get(number);
-    let ours: SceneExtras = extras::read(scene.and_then(|s| s.extras.as_ref()), &place("scenes", number, None))?;
+    let here = place("scenes", number, None);
+    let ours: SceneExtras = extras::read(scene.and_then(|s| s.extras.as_ref()), &here)?;
     if !document.root.animations.is_empty() {
         tally.others.push("animations are ignored: the scene is taken as it stands".into());
     }
     for extension in document.ignored_extensions() {
         tally.others.push(format!("the extension {extension} is ignored"));
     }
-    Ok(SceneDescription {
+    let description = SceneDescription {
         meshes: shapes.meshes,
         spheres: shapes.spheres,
         materials: shapes.materials,
@@ -118,7 +120,9 @@ fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SceneD
         reference: ours.reference,
         warnings: tally.sentences(),
         ..SceneDescription::default()
-    })
+    };
+    let meters = sensors::read(&ours.sensors, &description, &here)?;
+    Ok(SceneDescription { meters, ..description })
 }
 
 /// The file's name without its ending; the folder's for a file called `scene`.

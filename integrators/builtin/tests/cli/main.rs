@@ -5,6 +5,7 @@
 mod bad_input;
 mod interruption;
 mod layers;
+mod measure;
 mod output;
 mod paths;
 mod references;

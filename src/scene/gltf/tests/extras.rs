@@ -3,8 +3,9 @@ use std::path::PathBuf;
 use glam::DVec3;
 use serde_json::{Value, json};
 
-use super::{assert_refused, read_json, triangle};
+use super::{File, assert_refused, read_json, triangle};
 use crate::scene::description::{FilmSize, Reference, RenderHints};
+use crate::scene::meter::Meter;
 use crate::spectrum::Rgb;
 
 fn with_scene_extras(ours: Value) -> Value {
@@ -27,6 +28,41 @@ fn scenes_say_environment_film_length_and_reference() {
     assert_eq!(scene.render, RenderHints { max_length: Some(8) });
     let file = PathBuf::from("reference.exr");
     assert_eq!(scene.reference, Some(Reference::Image { file, max_length: Some(8) }));
+}
+
+#[test]
+fn sensors_are_read_in_the_order_of_their_names() {
+    let scene = read_json(&with_scene_extras(json!({"sensors": {
+        "sky": "irradiance:0,0,1:0,0,2",
+        "beam": "radiance:1,2,3:1,0,0",
+    }})))
+    .unwrap();
+    let [beam, sky] = &scene.meters[..] else { panic!("{:?}", scene.meters) };
+    let (position, direction) = (DVec3::new(1.0, 2.0, 3.0), DVec3::X);
+    assert_eq!((beam.name.as_str(), &beam.meter), ("beam", &Meter::Radiance { position, direction }));
+    assert_eq!((sky.name.as_str(), &sky.meter), ("sky", &Meter::Irradiance { position: DVec3::Z, normal: DVec3::Z }));
+    assert!(read_json(&with_scene_extras(json!({}))).unwrap().meters.is_empty());
+}
+
+/// A square of two triangles, not at the origin, is found by the name of its node, with its transform.
+#[test]
+fn sensors_name_surfaces() {
+    let mut file = File::default();
+    let positions = file.vectors(&[[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]]);
+    let indices = file.indices(&[0, 1, 2, 0, 2, 3]);
+    let mut json = file.finish_with(json!({"attributes": {"POSITION": positions}, "indices": indices}));
+    json["nodes"] = json!([{"mesh": 0, "name": "pane", "scale": [2, 3, 1], "translation": [0, 0, 5]}]);
+    let mut with = |sensor: &str| {
+        json["scenes"][0]["extras"] = json!({"pathspace": {"sensors": {"a": sensor}}});
+        json.clone()
+    };
+    let scene = read_json(&with("flux:pane")).unwrap();
+    let aim = scene.meters[0].meter.aim(&scene).unwrap();
+    assert!((aim.sensor.position - DVec3::new(1.0, 1.5, 5.0)).length() < 1e-5, "{aim:?}");
+    assert_eq!((aim.sensor.forward, aim.unit), (DVec3::Z, "W"));
+    assert!((aim.scale - 6.0 * std::f64::consts::PI).abs() < 1e-12, "{aim:?}");
+    assert_refused(&with("flux:pain"), &["scenes[0].extras.pathspace.sensors.a", "did you mean 'pane'?"]);
+    assert_refused(&with("flx:pane"), &["scenes[0].extras.pathspace.sensors.a", "did you mean 'flux'?"]);
 }
 
 #[test]
