@@ -9,7 +9,7 @@ use comfy_table::{CellAlignment, Table};
 
 use crate::estimator::Registry;
 use crate::experiment::cache::{Cache, Kept, Wanted, compare, default_folder};
-use crate::experiment::{Budget, Manifest, Plan, SceneEntry, Subject, write_reference};
+use crate::experiment::{Budget, MITSUBA, Manifest, Mitsuba, Plan, SceneEntry, Subject, write_reference};
 use crate::report::{Verdict, cut};
 use crate::scene::description::FilmSize;
 
@@ -30,6 +30,7 @@ two methods are tested for being of the same image, here and before use.
 Examples:
   pathspace reference cornell_box --add 10m                  ten minutes more
   pathspace reference cornell_box --method path --until 1h   at least one hour in all
+  pathspace reference cornell_box --method mitsuba:path --add 5m
   pathspace reference cornell_box                            what there is, and whether methods agree
   pathspace reference cornell_box -o box.exr                 as a file for `compare --reference box.exr`
 
@@ -42,7 +43,7 @@ pub(super) struct ReferenceArgs {
     /// .gltf or .glb file, folder with one, or name of a folder in scenes/
     scene: PathBuf,
 
-    /// Integrator with settings, name:key=value:…
+    /// Integrator with settings, name:key=value:…, of `pathspace list` or mitsuba:path; Mitsuba's come in runs of 10 s or 64 spp
     #[arg(long, value_name = "METHOD", default_value = "bdpt")]
     method: String,
 
@@ -82,10 +83,8 @@ pub(super) struct ReferenceArgs {
 pub(super) fn run(registry: &Registry, args: &ReferenceArgs) -> anyhow::Result<Outcome> {
     interrupt::listen()?;
     let method = args.method.trim();
-    if method.starts_with("mitsuba:") {
-        let what = format!("reference by {method}: Mitsuba's image is given to compare with --reference FILE.exr");
-        return Err(UsageError(what).into());
-    }
+    let mitsuba = method.starts_with(MITSUBA).then(|| Mitsuba::find(interrupt::requested)).transpose();
+    let mitsuba = mitsuba.map_err(|why| UsageError(format!("without Mitsuba: {why}")))?;
     if let Some(output) = &args.output {
         crate::film::check_writable(output)?;
     }
@@ -94,10 +93,10 @@ pub(super) fn run(registry: &Registry, args: &ReferenceArgs) -> anyhow::Result<O
     let mut manifest = Manifest::new(vec![SceneEntry::from(args.scene.display().to_string())], [method]);
     manifest.max_length = args.max_length;
     manifest.threads = args.threads;
-    let plan =
-        Plan::resolve(manifest, std::slice::from_ref(&subject), registry, None, None, "reference").map_err(usage)?;
+    let plan = Plan::resolve(manifest, std::slice::from_ref(&subject), registry, mitsuba.as_ref(), None, "reference")
+        .map_err(usage)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(plan.machine.threads).build()?;
-    let cache = Cache { folder: default_folder(), registry, pool: &pool, observer: &mut () };
+    let cache = Cache { folder: default_folder(), registry, mitsuba: None, pool: &pool, observer: &mut () };
     let kept = cache.kept(&subject, &plan.scenes[0]).map_err(usage)?;
     let spent = kept.iter().find(|kept| kept.method == method).map_or(0.0, |kept| kept.info.render_seconds);
     let until = match args {
@@ -108,7 +107,8 @@ pub(super) fn run(registry: &Registry, args: &ReferenceArgs) -> anyhow::Result<O
     };
     if let Some(until) = until {
         let mut watch = Watch::new(until);
-        let mut cache = Cache { folder: default_folder(), registry, pool: &pool, observer: &mut watch };
+        let mitsuba = mitsuba.as_ref();
+        let mut cache = Cache { folder: default_folder(), registry, mitsuba, pool: &pool, observer: &mut watch };
         let done = cache.extend(&Wanted { subject: &subject, plan: &plan.scenes[0], method, until });
         watch.close();
         done.map_err(usage)?;
@@ -161,7 +161,7 @@ fn table(kept: &[Kept]) -> String {
     for kept in kept {
         let noise = kept.noise().map_or_else(|| "-".to_owned(), percent);
         let method = format!("  {}", cut(&kept.method, 40));
-        table.add_row([method, kept.film.passes().to_string(), time(kept.info.render_seconds), noise]);
+        table.add_row([method, kept.spp.to_string(), time(kept.info.render_seconds), noise]);
     }
     for (index, column) in table.column_iter_mut().enumerate() {
         column.set_padding((0, 2));

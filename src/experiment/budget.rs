@@ -7,7 +7,7 @@ use crate::report::{Metric, Row};
 /// The first checkpoint of a timed run is not before this time \[s\].
 const FIRST_CHECKPOINT: f64 = 0.1;
 
-const DEFAULT_SECONDS: f64 = 8.0;
+const DEFAULT_SECONDS: f64 = 5.0;
 
 /// When a run ends.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -184,7 +184,7 @@ impl Folder {
     }
 }
 
-/// An image with its standard error, as [`super::reference`] reads it.
+/// An image with its standard error, as [`read_reference`](super::read_reference) reads it.
 ///
 /// # Errors
 /// When the file cannot be written.

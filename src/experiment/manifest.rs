@@ -197,7 +197,7 @@ impl Manifest {
     }
 
     fn default_seeds() -> u32 {
-        2
+        4
     }
 
     fn default_seed() -> u64 {

@@ -36,6 +36,7 @@ pub use error::ExperimentError;
 pub use files::{Folder, write_reference};
 pub use machine::Machine;
 pub use manifest::{Manifest, MethodEntry, SceneEntry};
+pub use method::MITSUBA;
 pub use mitsuba::Mitsuba;
 pub use plan::{MethodPlan, Plan, Record, ScenePlan};
 pub use reference::{ReferencePolicy, RenderedReference, read_reference};

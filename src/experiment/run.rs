@@ -190,8 +190,8 @@ pub fn run(
     let mut truths = Vec::new();
     for ((scene, subject), entry) in plan.scenes.iter_mut().zip(subjects).zip(&plan.manifest.scenes) {
         let policy = entry.reference.as_ref().unwrap_or(&plan.manifest.reference);
-        let registry = renderers.registry;
-        let mut cache = Cache { folder: cache::default_folder(), registry, pool: &pool, observer };
+        let Renderers { registry, mitsuba } = renderers;
+        let mut cache = Cache { folder: cache::default_folder(), registry, mitsuba, pool: &pool, observer };
         let truth = reference::resolve(subject, scene, policy, &mut cache)?;
         scene.reference.clone_from(&truth.words);
         scene.exact = truth.exact.map(Rgb::to_array);

@@ -62,7 +62,7 @@ impl<'a> Group<'a> {
     }
 
     /// The mean over some of the seeds.
-    pub fn curve(&self, metric: Metric, seeds: &[usize]) -> Vec<Point> {
+    fn curve(&self, metric: Metric, seeds: &[usize]) -> Vec<Point> {
         let Some((&first, others)) = seeds.split_first() else { return Vec::new() };
         let n = seeds.len() as f64;
         let point = |row: &Row| {
@@ -86,14 +86,35 @@ impl<'a> Group<'a> {
         self.seeds[first].iter().filter_map(|row| point(row)).collect()
     }
 
-    /// A number that a curve gives, over all seeds, with its standard error.
-    pub fn jackknife(&self, metric: Metric, number: impl Fn(&[Point]) -> Option<f64>) -> Option<Jackknifed> {
-        Jackknifed::new(self.seeds.len(), |seeds| number(&self.curve(metric, seeds)))
+    /// The mean over all seeds, and without each of them.
+    pub fn resampled(&self, metric: Metric) -> Resampled {
+        let all: Vec<usize> = (0..self.seeds.len()).collect();
+        let without = |left_out: &usize| {
+            let others: Vec<usize> = all.iter().copied().filter(|seed| seed != left_out).collect();
+            self.curve(metric, &others)
+        };
+        Resampled { mean: self.curve(metric, &all), without: all.iter().map(without).collect() }
+    }
+}
+
+/// A curve, as it is over all seeds and would be without each of them.
+pub(super) struct Resampled {
+    pub mean: Vec<Point>,
+    without: Vec<Vec<Point>>,
+}
+
+impl Resampled {
+    /// A number that a curve gives, with its standard error.
+    pub fn jackknife(&self, number: impl Fn(&[Point]) -> Option<f64>) -> Option<Jackknifed> {
+        let without: Vec<_> = self.without.iter().map(|curve| number(curve)).collect();
+        Jackknifed::new(number(&self.mean), &without)
     }
 
-    /// The mean over all seeds.
-    pub fn mean_curve(&self, metric: Metric) -> Vec<Point> {
-        self.curve(metric, &(0..self.seeds.len()).collect::<Vec<_>>())
+    /// Without the points that `keep` refuses.
+    pub fn filtered(mut self, keep: impl Fn(&Point) -> bool) -> Self {
+        self.mean.retain(&keep);
+        self.without.iter_mut().for_each(|curve| curve.retain(&keep));
+        self
     }
 }
 
@@ -161,7 +182,7 @@ pub fn curves(rows: &[Row], metrics: &[Metric]) -> Vec<CurveRow> {
     let mut lines = Vec::new();
     for group in groups(rows) {
         for &metric in metrics {
-            lines.extend(group.mean_curve(metric).into_iter().filter_map(|point| line(&group, metric, &point)));
+            lines.extend(group.resampled(metric).mean.into_iter().filter_map(|point| line(&group, metric, &point)));
         }
     }
     lines

@@ -25,20 +25,15 @@ pub(crate) struct Jackknifed {
 }
 
 impl Jackknifed {
-    /// Of a statistic of replicas, told by the places of those that count. Where it has no value without one of them, it has
-    /// none.
-    pub fn new(replicas: usize, statistic: impl Fn(&[usize]) -> Option<f64>) -> Option<Self> {
-        let all: Vec<usize> = (0..replicas).collect();
-        let value = statistic(&all).filter(|value| value.is_finite())?;
-        if replicas < 2 {
+    /// Of a statistic of all replicas, and of all but one, for each. Where it has no value without one of them, it has none.
+    pub fn new(value: Option<f64>, without: &[Option<f64>]) -> Option<Self> {
+        let finite = |value: &f64| value.is_finite();
+        let value = value.filter(finite)?;
+        if without.len() < 2 {
             return Some(Self { value, error: 0.0, freedom: 0.0 });
         }
-        let without = |left_out: usize| {
-            let others: Vec<usize> = all.iter().copied().filter(|&place| place != left_out).collect();
-            statistic(&others).filter(|value| value.is_finite())
-        };
-        let values = (0..replicas).map(without).collect::<Option<Vec<f64>>>()?;
-        let n = replicas as f64;
+        let values = without.iter().map(|value| value.filter(finite)).collect::<Option<Vec<f64>>>()?;
+        let n = values.len() as f64;
         let mean = values.iter().sum::<f64>() / n;
         let squares: f64 = values.iter().map(|value| (value - mean) * (value - mean)).sum();
         Some(Self { value, error: ((n - 1.0) / n * squares).sqrt(), freedom: n - 1.0 })
@@ -77,15 +72,13 @@ impl Jackknifed {
 /// replicas are normal, and better where they are skewed, as squared errors are (`tests/properties/coverage.rs` measures it).
 #[must_use]
 pub fn mean(replicas: &[f64]) -> Option<Estimate> {
-    let log_mean = |places: &[usize]| {
-        let mean = places.iter().map(|&place| replicas[place]).sum::<f64>() / places.len() as f64;
-        (mean > 0.0).then(|| libm::log(mean))
-    };
-    if let Some(jackknifed) = Jackknifed::new(replicas.len(), log_mean) {
+    let (n, sum) = (replicas.len() as f64, replicas.iter().sum::<f64>());
+    let log = |mean: f64| (mean > 0.0).then(|| libm::log(mean));
+    let without: Vec<_> = replicas.iter().map(|replica| log((sum - replica) / (n - 1.0))).collect();
+    if let Some(jackknifed) = Jackknifed::new(log(sum / n), &without) {
         return Some(jackknifed.exponential());
     }
-    let value = replicas.iter().sum::<f64>() / replicas.len() as f64;
-    value.is_finite().then_some(Estimate { value, interval: None })
+    (sum / n).is_finite().then_some(Estimate { value: sum / n, interval: None })
 }
 
 #[cfg(test)]
@@ -95,8 +88,8 @@ mod tests {
     #[test]
     fn the_jackknife_of_a_mean_is_its_standard_error() {
         let replicas = [1.0, 4.0, 2.0, 5.0];
-        let mean = |places: &[usize]| Some(places.iter().map(|&p| replicas[p]).sum::<f64>() / places.len() as f64);
-        let found = Jackknifed::new(4, mean).unwrap();
+        let without: Vec<_> = replicas.iter().map(|replica| Some((12.0 - replica) / 3.0)).collect();
+        let found = Jackknifed::new(Some(3.0), &without).unwrap();
         // Deviations −2, 1, −1, 2: s² = 10/3.
         assert!((found.value - 3.0).abs() < 1e-15 && (found.error - (10.0_f64 / 12.0).sqrt()).abs() < 1e-15);
         let (low, high) = found.estimate().interval.unwrap();

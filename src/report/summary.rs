@@ -5,7 +5,7 @@
 
 use serde::Serialize;
 
-use super::curves::{Group, Point, error_at, groups, slope};
+use super::curves::{Group, Point, Resampled, error_at, groups, slope};
 use super::interval::{Estimate, Jackknifed};
 use super::metric::Metric;
 use super::rows::{Row, SCHEMA};
@@ -110,19 +110,30 @@ pub struct SummaryRow {
     pub negative: Option<u64>,
 }
 
-impl Group<'_> {
-    fn at(&self, metric: Metric, seconds: f64) -> Option<f64> {
-        error_at(&self.mean_curve(metric), seconds)
+/// A method with its curves.
+struct Summed<'a> {
+    group: &'a Group<'a>,
+    mse: Resampled,
+    relmse: Resampled,
+}
+
+impl<'a> Summed<'a> {
+    fn new(group: &'a Group<'a>) -> Self {
+        Self { group, mse: group.resampled(Metric::Mse), relmse: group.resampled(Metric::Relmse) }
     }
 
-    fn log_at(&self, metric: Metric, seconds: f64) -> Option<Jackknifed> {
-        self.jackknife(metric, |curve| error_at(curve, seconds).map(libm::log))
+    fn mse_at(&self, seconds: f64) -> Option<f64> {
+        error_at(&self.mse.mean, seconds)
     }
 
     /// The last time at which there is an error of all seeds.
     fn last_time(&self) -> Option<f64> {
-        self.mean_curve(Metric::Mse).iter().rev().find(|point| point.error > 0.0).map(|point| point.seconds)
+        self.mse.mean.iter().rev().find(|point| point.error > 0.0).map(|point| point.seconds)
     }
+}
+
+fn log_at(curve: &Resampled, seconds: Option<f64>) -> Option<Jackknifed> {
+    curve.jackknife(|curve| error_at(curve, seconds?).map(libm::log))
 }
 
 fn mean(values: &[f64]) -> Option<f64> {
@@ -144,43 +155,41 @@ fn time_to_reach(curve: &[Point], target: f64) -> Option<(f64, Bound)> {
 }
 
 /// The time at which most methods can be compared with the base, and the latest such.
-fn equal_time(groups: &[&Group<'_>], base: &Group<'_>) -> Option<f64> {
-    let covers = |group: &Group<'_>, time: f64| group.at(Metric::Mse, time).is_some();
-    let rank = |time: f64| (covers(base, time), groups.iter().filter(|group| covers(group, time)).count());
-    let candidates = groups.iter().filter_map(|group| group.last_time());
+fn equal_time(all: &[Summed<'_>], base: &Summed<'_>) -> Option<f64> {
+    let covers = |method: &Summed<'_>, time: f64| method.mse_at(time).is_some();
+    let rank = |time: f64| (covers(base, time), all.iter().filter(|method| covers(method, time)).count());
+    let candidates = all.iter().filter_map(Summed::last_time);
     candidates.max_by(|&a, &b| rank(a).cmp(&rank(b)).then(a.total_cmp(&b)))
 }
 
 /// One line per scene, method and kind of machine, in the order of their first rows.
 #[must_use]
 pub fn summarise(rows: &[Row]) -> Vec<SummaryRow> {
-    let all = groups(rows);
-    all.chunk_by(|a, b| a.scene == b.scene)
-        .flat_map(|groups| summarise_scene(&groups.iter().collect::<Vec<_>>()))
-        .collect()
+    groups(rows).chunk_by(|a, b| a.scene == b.scene).flat_map(summarise_scene).collect()
 }
 
-fn summarise_scene(groups: &[&Group<'_>]) -> Vec<SummaryRow> {
-    let Some(base) = groups.iter().find(|group| group.method.starts_with("mitsuba")).or(groups.first()) else {
+fn summarise_scene(groups: &[Group<'_>]) -> Vec<SummaryRow> {
+    let all: Vec<Summed<'_>> = groups.iter().map(Summed::new).collect();
+    let Some(base) = all.iter().find(|method| method.group.method.starts_with("mitsuba")).or(all.first()) else {
         return Vec::new();
     };
-    let time = equal_time(groups, base);
-    let target = time.and_then(|time| base.at(Metric::Mse, time));
-    groups.iter().map(|group| summarise_group(group, base, time, target)).collect()
+    let time = equal_time(&all, base);
+    let target = time.and_then(|time| base.mse_at(time));
+    all.iter().map(|method| summarise_method(method, base, time, target)).collect()
 }
 
-fn summarise_group(group: &Group<'_>, base: &Group<'_>, time: Option<f64>, target: Option<f64>) -> SummaryRow {
-    let at = |metric: Metric| time.and_then(|time| group.at(metric, time));
+fn summarise_method(own: &Summed<'_>, base: &Summed<'_>, time: Option<f64>, target: Option<f64>) -> SummaryRow {
+    let group = own.group;
+    let at = |metric: Metric| time.and_then(|time| error_at(&group.resampled(metric).mean, time));
     let interval = |estimate: Option<Jackknifed>| estimate.and_then(|found| found.exponential().interval).unzip();
-    let log_at = |group: &Group<'_>, metric: Metric| time.and_then(|time| group.log_at(metric, time));
-    let mse = at(Metric::Mse);
-    let (mse_low, mse_high) = interval(log_at(group, Metric::Mse));
-    let (relmse_low, relmse_high) = interval(log_at(group, Metric::Relmse));
-    let gain = log_at(base, Metric::Mse).zip(log_at(group, Metric::Mse)).map(|(base, own)| base.minus(own));
-    let (relative_low, relative_high) = interval(gain.filter(|_| !std::ptr::eq(group, base)));
-    let reached = target.and_then(|target| time_to_reach(&group.mean_curve(Metric::Mse), target));
+    let mse = time.and_then(|time| own.mse_at(time));
+    let (mse_low, mse_high) = interval(log_at(&own.mse, time));
+    let (relmse_low, relmse_high) = interval(log_at(&own.relmse, time));
+    let gain = log_at(&base.mse, time).zip(log_at(&own.mse, time)).map(|(base, own)| base.minus(own));
+    let (relative_low, relative_high) = interval(gain.filter(|_| !std::ptr::eq(own, base)));
+    let reached = target.and_then(|target| time_to_reach(&own.mse.mean, target));
     // Of the RMSE: half of the MSE's.
-    let slope = group.jackknife(Metric::Mse, |curve| slope(curve).map(|slope| 0.5 * slope)).map(Jackknifed::estimate);
+    let slope = own.mse.jackknife(|curve| slope(curve).map(|slope| 0.5 * slope)).map(Jackknifed::estimate);
     let (slope_low, slope_high) = slope.and_then(|Estimate { interval, .. }| interval).unzip();
     let last = |of: &dyn Fn(&Row) -> Option<f64>| mean(&group.last_rows().filter_map(of).collect::<Vec<_>>());
     let finite = |value: f64| Some(value).filter(|value| value.is_finite());
@@ -214,7 +223,7 @@ fn summarise_group(group: &Group<'_>, base: &Group<'_>, time: Option<f64>, targe
         relative_efficiency: mse.zip(target).map(|(mse, target)| target / mse),
         relative_low,
         relative_high,
-        base: base.method.to_owned(),
+        base: base.group.method.to_owned(),
         slope: slope.map(|slope| slope.value),
         slope_low,
         slope_high,

@@ -7,7 +7,7 @@
 
 use serde::Serialize;
 
-use super::curves::{Group, Point, error_at, groups, slope};
+use super::curves::{Group, Point, Resampled, error_at, groups, slope};
 use super::interval::{Estimate, Jackknifed};
 use super::metric::Metric;
 use super::rows::{Row, SCHEMA};
@@ -55,26 +55,29 @@ impl VerdictRow {
     }
 }
 
+/// A method with what is true of its curve: not below the noise of the reference, and positive, so that it has a logarithm.
+struct Side<'a> {
+    group: &'a Group<'a>,
+    curve: Resampled,
+}
+
 /// All pairs of methods that ran on a scene with like machines.
 #[must_use]
 pub fn verdicts(rows: &[Row], metrics: &[Metric]) -> Vec<VerdictRow> {
     let groups = groups(rows);
     let mut verdicts = Vec::new();
-    for &metric in metrics {
-        for (i, a) in groups.iter().enumerate() {
-            let alike = |b: &&Group<'_>| (b.scene, b.hardware) == (a.scene, a.hardware);
-            verdicts.extend(groups[i + 1..].iter().filter(alike).map(|b| verdict(a, b, metric)));
+    for scene in groups.chunk_by(|a, b| a.scene == b.scene) {
+        for &metric in metrics {
+            let true_of = |point: &Point| point.below_noise != Some(true) && point.error > 0.0;
+            let side = |group| Side { group, curve: Group::resampled(group, metric).filtered(true_of) };
+            let sides: Vec<Side<'_>> = scene.iter().map(side).collect();
+            for (i, a) in sides.iter().enumerate() {
+                let alike = |b: &&Side<'_>| b.group.hardware == a.group.hardware;
+                verdicts.extend(sides[i + 1..].iter().filter(alike).map(|b| verdict(a, b, metric)));
+            }
         }
     }
-    let place = |scene: &str| groups.iter().position(|group| group.scene == scene);
-    verdicts.sort_by_key(|row| place(&row.scene));
     verdicts
-}
-
-/// What is not below the noise of the reference, and positive, so that it has a logarithm.
-fn truth(mut curve: Vec<Point>) -> Vec<Point> {
-    curve.retain(|point| point.below_noise != Some(true) && point.error > 0.0);
-    curve
 }
 
 /// The logarithm of the first time at which a curve falls to an error. Beyond its ends it is continued with its slope, for
@@ -111,13 +114,13 @@ enum Comparison {
     None,
 }
 
-fn compared(a: &Group<'_>, b: &Group<'_>, metric: Metric) -> Comparison {
-    let curves = [a, b].map(|group| truth(group.mean_curve(metric)));
-    let Some(error) = reached(&curves[0]).zip(reached(&curves[1])).map(|(a, b)| a.max(b)) else {
+fn compared(a: &Side<'_>, b: &Side<'_>) -> Comparison {
+    let (first, second) = (&a.curve.mean, &b.curve.mean);
+    let Some(error) = reached(first).zip(reached(second)).map(|(a, b)| a.max(b)) else {
         return Comparison::None;
     };
-    let starts = curves.each_ref().map(|curve| curve[0]);
-    let time = |group: &Group<'_>| group.jackknife(metric, |curve| log_time(&truth(curve.to_vec()), error));
+    let starts = [first[0], second[0]];
+    let time = |side: &Side<'_>| side.curve.jackknife(|curve| log_time(curve, error));
     if starts[0].error > error && starts[1].error > error {
         return match (time(b), time(a)) {
             (Some(slower), Some(faster)) => Comparison::Ratio(error, slower.minus(faster)),
@@ -126,21 +129,23 @@ fn compared(a: &Group<'_>, b: &Group<'_>, metric: Metric) -> Comparison {
     }
     // One of them has less error from its first checkpoint on.
     let early = usize::from(starts[0].error > starts[1].error);
-    let late = [b, a][early];
-    let bound = log_time(&truth(late.mean_curve(metric)), error).map(|log| libm::exp(log) / starts[early].seconds);
+    let late = [second, first][early];
+    let bound = log_time(late, error).map(|log| libm::exp(log) / starts[early].seconds);
     match bound.filter(|&bound| bound > 1.0) {
         Some(bound) => Comparison::AtLeast(error, if early == 0 { bound } else { 1.0 / bound }),
         None => Comparison::None,
     }
 }
 
-fn verdict(a: &Group<'_>, b: &Group<'_>, metric: Metric) -> VerdictRow {
-    let comparison = compared(a, b, metric);
+fn verdict(a: &Side<'_>, b: &Side<'_>, metric: Metric) -> VerdictRow {
+    let comparison = compared(a, b);
     let a_is_faster = match &comparison {
         Comparison::Ratio(_, log) => log.value >= 0.0,
         Comparison::AtLeast(_, bound) => *bound >= 1.0,
         Comparison::None => true,
     };
+    let crossing_seconds = crossing(&a.curve, &b.curve);
+    let (a, b) = (a.group, b.group);
     let (faster, slower) = if a_is_faster { (a, b) } else { (b, a) };
     let mut row = VerdictRow {
         schema: SCHEMA,
@@ -155,7 +160,7 @@ fn verdict(a: &Group<'_>, b: &Group<'_>, metric: Metric) -> VerdictRow {
         low: None,
         high: None,
         verdict: format!("{} and {} reach no common {metric}", faster.method, slower.method),
-        crossing_seconds: crossing(a, b, metric),
+        crossing_seconds,
     };
     match comparison {
         Comparison::Ratio(error, log) => {
@@ -198,15 +203,14 @@ fn in_words(row: &VerdictRow, metric: Metric, ratio: f64) -> String {
 }
 
 /// Where the order of the errors changes for the first time; both orders are seen at 95 %.
-fn crossing(a: &Group<'_>, b: &Group<'_>, metric: Metric) -> Option<f64> {
-    let curves = [a, b].map(|group| truth(group.mean_curve(metric)));
-    let mut times: Vec<f64> = curves.iter().flatten().map(|point| point.seconds).collect();
+fn crossing(a: &Resampled, b: &Resampled) -> Option<f64> {
+    let mut times: Vec<f64> = a.mean.iter().chain(&b.mean).map(|point| point.seconds).collect();
     times.sort_by(f64::total_cmp);
-    let gap = |time: f64| Some(libm::log(error_at(&curves[0], time)?) - libm::log(error_at(&curves[1], time)?));
+    let gap = |time: f64| Some(libm::log(error_at(&a.mean, time)?) - libm::log(error_at(&b.mean, time)?));
     // Before it: the last time at which the sign is seen, and the sign.
     let mut seen: Option<(usize, f64)> = None;
     for (index, &time) in times.iter().enumerate() {
-        let log = |group: &Group<'_>| group.jackknife(metric, |curve| error_at(curve, time).map(libm::log));
+        let log = |curve: &Resampled| curve.jackknife(|curve| error_at(curve, time).map(libm::log));
         let Some(gap_here) = log(a).zip(log(b)).map(|(a, b)| a.minus(b).estimate()) else { continue };
         let Some((low, high)) = gap_here.interval.filter(|&(low, high)| low * high > 0.0) else { continue };
         let sign = (low + high).signum();

@@ -93,6 +93,7 @@ fn subject(description: SceneDescription) -> Subject {
 fn manifest(methods: &[&str], spp: u64, reference: ReferencePolicy) -> Manifest {
     let mut manifest = Manifest::new(vec![SceneEntry::default()], methods.iter().copied());
     manifest.budget = Budget::Spp(spp);
+    manifest.seeds = 2;
     manifest.threads = 2;
     manifest.max_length = Some(MaxLength(Some(6)));
     manifest.reference = reference;

@@ -12,7 +12,7 @@ use clap::Args;
 use super::args::MaxLength;
 use crate::estimator::Registry;
 use crate::experiment::{
-    self, Budget, ExperimentError, Folder, Made, Manifest, Mitsuba, Plan, ReferencePolicy, Renderers, Report,
+    self, Budget, ExperimentError, Folder, MITSUBA, Made, Manifest, Mitsuba, Plan, ReferencePolicy, Renderers, Report,
     SceneEntry, Subject, collect,
 };
 use crate::report::Metric;
@@ -62,7 +62,7 @@ pub(super) struct CompareArgs {
     #[arg(long, value_name = "METHOD,…", value_delimiter = ',')]
     methods: Vec<String>,
 
-    /// Rendering time of each run in seconds [default: 8]
+    /// Rendering time of each run in seconds [default: 5]
     #[arg(long, value_name = "SECONDS", value_parser = args::seconds)]
     seconds: Option<f64>,
 
@@ -70,7 +70,7 @@ pub(super) struct CompareArgs {
     #[arg(long, value_name = "N", conflicts_with = "seconds", value_parser = clap::value_parser!(u64).range(1..=1 << 31))]
     spp: Option<u64>,
 
-    /// Runs of each method on each scene [default: 2]
+    /// Runs of each method on each scene; intervals of fewer than 4 are of little use [default: 4]
     #[arg(long, value_name = "R", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     seeds: Option<u32>,
 
@@ -273,7 +273,7 @@ fn methods(manifest: &mut Manifest) -> Option<Mitsuba> {
     let is_default = manifest.methods.is_empty();
     if is_default {
         manifest.methods = entries(&OWN_METHODS);
-    } else if !manifest.methods.iter().any(|method| method.integrator.starts_with("mitsuba:")) {
+    } else if !wants_mitsuba(manifest) {
         return None;
     }
     match Mitsuba::find(interrupt::requested) {
@@ -291,6 +291,18 @@ fn methods(manifest: &mut Manifest) -> Option<Mitsuba> {
             None
         }
     }
+}
+
+/// As a method, or for a reference.
+fn wants_mitsuba(manifest: &Manifest) -> bool {
+    let by_mitsuba = |policy: &ReferencePolicy| match policy {
+        ReferencePolicy::Rendered(reference) => reference.method.starts_with(MITSUBA),
+        _ => false,
+    };
+    let mut policies = manifest.scenes.iter().filter_map(|scene| scene.reference.as_ref());
+    manifest.methods.iter().any(|method| method.integrator.starts_with(MITSUBA))
+        || by_mitsuba(&manifest.reference)
+        || policies.any(by_mitsuba)
 }
 
 fn load_all(manifest: &Manifest) -> anyhow::Result<Vec<Subject>> {

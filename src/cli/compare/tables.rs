@@ -24,6 +24,9 @@ pub(in crate::cli) fn show(report: &Report, folder: &Path) -> io::Result<()> {
     if let Some(metric) = metric.or(report.manifest.metrics.first()) {
         let verdicts: Vec<&VerdictRow> = report.verdicts.iter().filter(|row| row.metric == metric.name()).collect();
         for rows in verdicts.chunk_by(|a, b| (&a.scene, &a.hardware) == (&b.scene, &b.hardware)) {
+            if rows.iter().all(|row| row.target_error.is_none()) {
+                continue;
+            }
             writeln!(out, "{}", verdict_table(rows))?;
         }
     }

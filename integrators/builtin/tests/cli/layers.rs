@@ -95,6 +95,10 @@ fn pictures_by_length_and_by_technique() {
     assert_eq!(png_size(&folder.read("c.png")).1, high);
     succeed(&["pyramid", &image, "--by", "length", "--max-length", "2", "-o", &folder.path("d.png")]);
     assert!(png_size(&folder.read("d.png")).0 < wide);
+    let text = succeed(&["pyramid", &image, "--efficiency"]);
+    assert!(text.contains("1/(radiance² s)") && text.contains("a.efficiency.png"), "{text}");
+    // A row for each length and one for the scale, as the pyramid of techniques has for the sum.
+    assert!(png_size(&folder.read("a.efficiency.png")).1 >= higher);
 }
 
 #[test]
@@ -126,6 +130,7 @@ fn pictures_that_cannot_be_made() {
     render(&folder, "a.exr", &["--layers", "length"]);
     fail(&["pyramid", &folder.path("none.exr")], 1, &["none.exr: cannot be read"]);
     fail(&["pyramid", &image, "--by", "technique"], 1, &["a.exr: ", "no layers by technique", "--layers technique"]);
+    fail(&["pyramid", &image, "--efficiency"], 1, &["a.exr: ", "no techniques", "--layers technique"]);
     fail(&["pyramid", &image, "-o", &folder.path("b.exr")], 2, &["b.exr: ", ".png"]);
     fail(&["pyramid", &image, "--gain", "1,2"], 2, &["--gain has 2 values", "give 3"]);
     let plain = folder.path("plain.exr");

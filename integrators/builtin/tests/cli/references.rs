@@ -68,12 +68,35 @@ fn what_no_reference_can_be_is_told() {
         (&["reference", "cornell_box", "--add", "3 parsecs"][..], "1h30m"),
         (&["reference", "cornell_box", "--method", "pth", "--add", "1s"], "did you mean 'path'"),
         (&["reference", "cornell_box", "-o", &folder.path("none.exr")], "there is no reference by bdpt"),
-        (&["reference", "cornell_box", "--method", "mitsuba:path", "--add", "1s"], "--reference FILE.exr"),
+        (&["reference", "cornell_box", "--method", "mitsuba:bdpt", "--add", "1s"], "mitsuba:path"),
     ] {
         let output = cached(&cache, args);
         assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
         assert!(stderr(&output).contains(part), "{args:?}: {}", stderr(&output));
     }
+}
+
+/// Runs are passes, and more samples make more of them.
+#[test]
+fn mitsuba_makes_references_too() {
+    let folder = Folder::new();
+    let cache = folder.path("cache");
+    if !workspace().join(".venv/bin/python").exists() {
+        println!("skipped: there is no .venv with Mitsuba; run scripts/setup");
+        return;
+    }
+    let film = ["--film", "16x16"];
+    for (method, spp, shown) in [("mitsuba:path", "100", "128"), ("mitsuba:path", "130", "192"), ("path", "20", "20")] {
+        let args = [&["reference", "cornell_box", "--method", method, "--spp", spp][..], &film].concat();
+        let output = cached(&cache, &args);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        let text = stdout(&output);
+        let line = text.lines().find(|line| line.trim_start().starts_with(method)).unwrap();
+        assert_eq!(line.split_whitespace().nth(1), Some(shown), "{text}");
+        assert!(line.ends_with('%'), "{text}");
+    }
+    let listed = stdout(&cached(&cache, &[&["reference", "cornell_box"][..], &film].concat()));
+    assert!(listed.contains("mitsuba:path and path: too few"), "{listed}");
 }
 
 #[test]

@@ -26,12 +26,15 @@ fn compare<'a>(folder: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     [&EXPERIMENT[..], &["24", "--seeds", "2", "-o", folder], more].concat()
 }
 
-/// Of every run its image and its errors, by name.
+/// Of every finished run its image, by name; what is being made lies in hidden folders.
 fn images(folder: &str) -> BTreeMap<String, Vec<u8>> {
     let mut found = BTreeMap::new();
     let mut open = vec![Path::new(folder).join("runs")];
     while let Some(place) = open.pop() {
         for entry in fs::read_dir(place).unwrap().flatten() {
+            if entry.file_name().to_string_lossy().starts_with('.') {
+                continue;
+            }
             if entry.path().is_dir() {
                 open.push(entry.path());
             } else if entry.file_name() == "image.exr" {

@@ -1,5 +1,7 @@
 //! `pyramid`: the layers of a render as one labelled picture.
 
+mod efficiency;
+
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::path::PathBuf;
@@ -25,7 +27,8 @@ Examples:
   pathspace pyramid box.exr --gain 1,1,2,8 --exposure 1      with gains of one's own, a stop brighter
   pathspace render glass_caustic -i bdpt --layers technique --max-length 5 -o caustic.exr
   pathspace pyramid caustic.exr                              Veach's pyramid: caustic.technique.png
-  pathspace pyramid caustic.exr --unweighted                 each technique alone";
+  pathspace pyramid caustic.exr --unweighted                 each technique alone
+  pathspace pyramid caustic.exr --efficiency                 where each is worth its time: caustic.efficiency.png";
 
 /// Most pictures beside each other, of those by length.
 const BESIDE: usize = 6;
@@ -63,6 +66,10 @@ pub(super) struct PyramidArgs {
     /// Show techniques alone, without their weights
     #[arg(long)]
     unweighted: bool,
+
+    /// Show where each technique is worth its time: 1 / (variance · seconds) of each pixel, on one scale of powers of ten
+    #[arg(long, conflicts_with_all = ["gain", "exposure", "by"])]
+    efficiency: bool,
 
     /// Longest path shown in edges, or none; the sum has all
     #[arg(long, value_name = "EDGES", default_value = "none", value_parser = args::max_length)]
@@ -103,6 +110,9 @@ struct Group {
 
 pub(super) fn run(args: &PyramidArgs) -> anyhow::Result<Outcome> {
     let file = args.input.display();
+    if args.efficiency {
+        return efficiency(args);
+    }
     let LayeredImage { mut layers, texts } =
         read_layers(&args.input, |name| name.is_empty() || name.parse::<Layer>().is_ok())?;
     let sum = layers.remove("").ok_or_else(|| anyhow!("{file}: it holds no image R, G, B; render it anew"))?;
@@ -111,11 +121,7 @@ pub(super) fn run(args: &PyramidArgs) -> anyhow::Result<Outcome> {
     let has_techniques = found.iter().any(|(layer, _)| !matches!(layer, Layer::Length { .. }));
     let by = args.by.unwrap_or(if has_techniques { By::Technique } else { By::Length });
     let word = if by == By::Length { "length" } else { "technique" };
-    let output = args.output.clone().unwrap_or_else(|| args.input.with_extension(format!("{word}.png")));
-    if OutputFormat::from_path(&output)? != OutputFormat::Png {
-        bail!(UsageError(format!("{}: the picture is a PNG: end its name with .png", output.display())));
-    }
-    check_writable(&output)?;
+    let output = output(args, word)?;
 
     let longest = args.max_length.0.unwrap_or(u32::MAX);
     let groups = groups(found, by, args.unweighted);
@@ -142,6 +148,43 @@ pub(super) fn run(args: &PyramidArgs) -> anyhow::Result<Outcome> {
         writeln!(out, "{samples} samples without a term had the other {rest} of the rays")?;
         writeln!(out, "rays and time: {}", listing.rule)?;
     }
+    writeln!(out, "wrote {}, {}x{} pixels", output.display(), picture.width, picture.height)?;
+    out.flush()?;
+    Ok(Outcome::Done)
+}
+
+/// Where the picture goes.
+fn output(args: &PyramidArgs, word: &str) -> anyhow::Result<PathBuf> {
+    let output = args.output.clone().unwrap_or_else(|| args.input.with_extension(format!("{word}.png")));
+    if OutputFormat::from_path(&output)? != OutputFormat::Png {
+        bail!(UsageError(format!("{}: the picture is a PNG: end its name with .png", output.display())));
+    }
+    check_writable(&output)?;
+    Ok(output)
+}
+
+fn efficiency(args: &PyramidArgs) -> anyhow::Result<Outcome> {
+    let file = args.input.display();
+    let LayeredImage { layers, texts } = read_layers(&args.input, |name| name.ends_with(".standard_error"))?;
+    let output = output(args, "efficiency")?;
+    let listing = texts.get("layers").and_then(|text| serde_json::from_str::<LayerListing>(text).ok());
+    let mut rows = listing.map(|listing| efficiency::rows(&layers, &listing, args.unweighted)).unwrap_or_default();
+    if rows.is_empty() {
+        bail!(
+            "{file}: it holds no techniques of two passes; make them with `pathspace render --layers technique --spp 64`"
+        );
+    }
+    let longest = args.max_length.0.map_or(usize::MAX, |edges| edges as usize);
+    let scale = rows.pop();
+    rows.truncate(longest);
+    rows.extend(scale);
+    let picture = page(&rows).map_err(|error| anyhow!("{file}: {error}; show less with --max-length"))?;
+    png::write_png(&output, &picture, 0.0)?;
+    let mut out = io::stdout().lock();
+    writeln!(
+        out,
+        "1 / (variance · seconds) of each pixel and technique, in 1/(radiance² s); the last picture is the scale"
+    )?;
     writeln!(out, "wrote {}, {}x{} pixels", output.display(), picture.width, picture.height)?;
     out.flush()?;
     Ok(Outcome::Done)

@@ -1,7 +1,9 @@
 //! References that are rendered once, kept, and extended: `$PATHSPACE_CACHE/references/SCENE_KEY/METHOD.film`.
 //!
 //! The key changes with whatever the expected image depends on: content of the scene, size of the film, longest path. Below it
-//! lies the state of a film for each method that has rendered it, so that methods can be compared before one is believed.
+//! lies the state of a film for each method that has rendered it, and of Mitsuba a folder of runs, so that methods can be compared before one is believed.
+
+mod runs;
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
@@ -19,8 +21,10 @@ use super::budget::Budget;
 use super::error::ExperimentError;
 use super::files::file_name;
 use super::method::{self, MethodKind};
+use super::mitsuba::Mitsuba;
 use super::plan::ScenePlan;
 use super::run::{Observer, RunId, Standing};
+use runs::read_runs;
 
 /// Seeds of runs are smaller, so that no run shares its random numbers with its reference.
 const SEED: u64 = 1 << 62;
@@ -37,6 +41,8 @@ pub struct Cache<'a> {
     pub folder: PathBuf,
     /// The methods.
     pub registry: &'a Registry,
+    /// Mitsuba, where there is one.
+    pub mitsuba: Option<&'a Mitsuba>,
     /// Where rendering runs.
     pub pool: &'a rayon::ThreadPool,
     /// Is told how it goes on.
@@ -70,8 +76,10 @@ impl Wanted<'_> {
 pub struct Kept {
     /// Its method, as the user wrote it.
     pub method: String,
-    /// Its film.
+    /// Its film; a pass is a sample per pixel, and of Mitsuba a run.
     pub film: Film,
+    /// Samples per pixel.
+    pub spp: u64,
     /// What made it.
     pub info: RenderInfo,
 }
@@ -97,7 +105,7 @@ impl Kept {
     /// What it is, in words.
     #[must_use]
     pub fn words(&self) -> String {
-        format!("{}, {} spp in {:.0} s", self.method, self.film.passes(), self.info.render_seconds)
+        format!("{}, {} spp in {:.0} s", self.method, self.spp, self.info.render_seconds)
     }
 
     /// Root mean square of its pixels' standard errors over the mean of the image; `None` below two passes.
@@ -126,10 +134,17 @@ impl Cache<'_> {
     /// Where one is damaged.
     pub fn kept(&self, subject: &Subject, plan: &ScenePlan) -> Result<Vec<Kept>, ExperimentError> {
         let entries = fs::read_dir(self.folder_of(subject, plan)).into_iter().flatten().flatten();
-        let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-        files.retain(|file| file.extension().is_some_and(|ending| ending == "film"));
-        files.sort();
-        files.iter().map(|file| read(file)).collect()
+        let mut places: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        places.sort();
+        let mut kept = Vec::new();
+        for place in places {
+            if place.is_dir() {
+                kept.extend(read_runs(&place)?);
+            } else if place.extension().is_some_and(|ending| ending == "film") {
+                kept.push(read(&place)?);
+            }
+        }
+        Ok(kept)
     }
 
     /// A reference with its description; what is missing is rendered.
@@ -164,8 +179,7 @@ impl Cache<'_> {
         let Wanted { subject, plan, method: text, .. } = *wanted;
         let method = method::build(text, self.registry, &plan.max_length)?;
         let MethodKind::Own(integrator) = &method.kind else {
-            let what = format!("reference by {text}: give its image with --reference FILE.exr");
-            return Err(ExperimentError::Usage(what));
+            return self.extend_runs(wanted, &self.folder_of(subject, plan).join(file_name(text)));
         };
         integrator
             .supports(&subject.scene)
@@ -192,7 +206,8 @@ impl Cache<'_> {
                 version: env!("CARGO_PKG_VERSION").into(),
                 ..RenderInfo::default()
             };
-            Kept { method: text.to_owned(), film: Film::new(plan.film.width, plan.film.height, None)?, info }
+            let film = Film::new(plan.film.width, plan.film.height, None)?;
+            Kept { method: text.to_owned(), film, spp: 0, info }
         };
         if info.settings != serde_json::json!(method.settings) {
             let what = format!("{}: was rendered with other settings; remove it", file.display());
@@ -219,7 +234,7 @@ impl Cache<'_> {
 
 fn read(file: &Path) -> Result<Kept, ExperimentError> {
     let (film, info) = state::load(file)?;
-    Ok(Kept { method: info.integrator.clone(), film, info })
+    Ok(Kept { method: info.integrator.clone(), spp: film.passes(), film, info })
 }
 
 /// Whether two references of a scene are of the same image; `None` where one has too few passes to say.
