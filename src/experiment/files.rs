@@ -185,10 +185,7 @@ impl Folder {
 }
 
 /// An image with its standard error, as [`super::reference`] reads it.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_reference(file: &Path, scene: &str, words: &str, reference: &Reference) -> Result<(), ExperimentError> {
+fn write_reference(file: &Path, scene: &str, words: &str, reference: &Reference) -> Result<(), ExperimentError> {
     let info = RenderInfo {
         scene: scene.into(),
         integrator: words.into(),

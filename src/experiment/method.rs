@@ -7,7 +7,7 @@ use crate::estimator::{Integrator, Registry, Settings, SettingsError};
 use super::error::ExperimentError;
 
 /// What the names of Mitsuba's methods begin with.
-pub(super) const MITSUBA: &str = "mitsuba:";
+pub const MITSUBA: &str = "mitsuba:";
 
 /// A method with all its settings.
 pub(super) struct Method {

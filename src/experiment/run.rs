@@ -39,7 +39,7 @@ pub struct RunId {
 }
 
 /// Where a run stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Standing {
     /// Share of its budget that is spent.
     pub share: f64,
@@ -49,6 +49,10 @@ pub struct Standing {
     pub spp: u64,
     /// Error at the latest checkpoint, where it is known.
     pub rmse: Option<f64>,
+    /// Of a reference: its noise, see [`super::cache::Kept::noise`].
+    pub noise: Option<f64>,
+    /// Rendering time left, where that is known better than from the budget \[s\].
+    pub seconds_left: Option<f64>,
 }
 
 /// Is told how an experiment goes on, while no clock runs.
@@ -190,8 +194,8 @@ pub fn run(
     let mut truths = Vec::new();
     for ((scene, subject), entry) in plan.scenes.iter_mut().zip(subjects).zip(&plan.manifest.scenes) {
         let policy = entry.reference.as_ref().unwrap_or(&plan.manifest.reference);
-        let registry = renderers.registry;
-        let mut cache = Cache { folder: cache::default_folder(), registry, pool: &pool, observer };
+        let Renderers { registry, mitsuba } = renderers;
+        let mut cache = Cache { folder: cache::default_folder(), registry, mitsuba, pool: &pool, observer };
         let truth = reference::resolve(subject, scene, policy, &mut cache)?;
         scene.reference.clone_from(&truth.words);
         scene.exact = truth.exact.map(Rgb::to_array);

@@ -12,7 +12,7 @@ use clap::Args;
 use super::args::MaxLength;
 use crate::estimator::Registry;
 use crate::experiment::{
-    self, Budget, ExperimentError, Folder, Made, Manifest, Mitsuba, Plan, ReferencePolicy, Renderers, Report,
+    self, Budget, ExperimentError, Folder, MITSUBA, Made, Manifest, Mitsuba, Plan, ReferencePolicy, Renderers, Report,
     SceneEntry, Subject, collect,
 };
 use crate::report::Metric;
@@ -273,7 +273,7 @@ fn methods(manifest: &mut Manifest) -> Option<Mitsuba> {
     let is_default = manifest.methods.is_empty();
     if is_default {
         manifest.methods = entries(&OWN_METHODS);
-    } else if !manifest.methods.iter().any(|method| method.integrator.starts_with("mitsuba:")) {
+    } else if !wants_mitsuba(manifest) {
         return None;
     }
     match Mitsuba::find(interrupt::requested) {
@@ -291,6 +291,18 @@ fn methods(manifest: &mut Manifest) -> Option<Mitsuba> {
             None
         }
     }
+}
+
+/// As a method, or for a reference.
+fn wants_mitsuba(manifest: &Manifest) -> bool {
+    let by_mitsuba = |policy: &ReferencePolicy| match policy {
+        ReferencePolicy::Rendered(reference) => reference.method.starts_with(MITSUBA),
+        _ => false,
+    };
+    let mut policies = manifest.scenes.iter().filter_map(|scene| scene.reference.as_ref());
+    manifest.methods.iter().any(|method| method.integrator.starts_with(MITSUBA))
+        || by_mitsuba(&manifest.reference)
+        || policies.any(by_mitsuba)
 }
 
 fn load_all(manifest: &Manifest) -> anyhow::Result<Vec<Subject>> {
