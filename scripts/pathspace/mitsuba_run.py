@@ -3,7 +3,7 @@
     python -m pathspace.mitsuba_run --scene scene.xml --integrator path|ptracer --out DIR
         (--seconds T | --spp N) [--checkpoints t1,t2,…] [--seed S] [--threads N]
         [--variant auto|scalar_rgb|llvm_ad_rgb] [--max-length K|none] [--rr-depth D]
-        [--hide-emitters] [--pass-spp M] [--block B]
+        [--hide-emitters] [--pass-spp M] [--block B] [--reference-from I]
 
 The scene's own integrator and number of samples are overridden. `--max-length` counts edges and is
 Mitsuba's `max_depth`. `--rr-depth` is the length from which Russian roulette may end a path; a
@@ -19,12 +19,19 @@ all threads. Loading, just-in-time compilation, calibration and file output are 
 `--seconds`, passes are started until the measured time reaches T; with `--spp`, exactly N samples
 are taken.
 
+`--reference-from I` renders passes I, I + 1, … of a reference, which somebody else adds up and goes
+on with: it needs `--pass-spp`, its seeds are none that runs use, and each pass is told and written
+as it is there. The same S, I and M give the same passes. Where all seeds are used up the run ends
+with an error, since one that came twice would make the reference look more certain than it is.
+
 Files in DIR, each written whole or not at all:
 
 checkpoint_III.npy
     Mean image after the pass in which the measured time reached the III-th of the checkpoint times
     (where one pass reaches several, only the last of them); the end of the run is a checkpoint too.
     NumPy, float32, height × width × 3, top row first.
+pass_IIIIIIII.npy
+    Of a reference alone: the image of its I-th pass, as a checkpoint's. The reader removes it.
 blocks.npy
     Means of each pass over blocks of B × B pixels (default 16; smaller at the right and lower
     border): NumPy, float64, passes × block rows × block columns × 3.
@@ -41,7 +48,9 @@ run.json
 
 On stderr, one JSON object a line: `{"variant", "pass_spp", "pass_seconds"}` when the ladder
 starts, then `{"seconds", "spp"}` a few times a second and at each checkpoint (there with
-`"checkpoint": index`). Anything else on stderr is a message for people.
+`"checkpoint": index`). Each pass of a reference is `{"file", "spp", "seconds", "cpu_seconds",
+"invalid"}`, times those of all passes so far, the others of this one. Anything else on stderr is a
+message for people.
 
 Exit status: 0 done; 1 failed; 2 wrong arguments; 3 this integrator or variant cannot render this
 scene here; 130 interrupted by SIGINT or SIGTERM, after finishing the current pass and writing what
@@ -64,7 +73,7 @@ import numpy as np
 
 from . import llvm
 from .files import write_array, write_json
-from .ladder import Image, Ladder, Render, calibrate, pass_sizes, timed
+from .ladder import Image, Ladder, Render, calibrate, invalid_pixels, pass_sizes, timed
 from .seeds import PassSeeds
 
 SHORTEST_PASS, LONGEST_PASS = 0.05, 0.5
@@ -78,6 +87,10 @@ PROGRESS_EVERY = 0.3
 
 class UnsupportedError(Exception):
     """This integrator or variant cannot render this scene here."""
+
+
+class SeedsUsedUpError(Exception):
+    """Another pass would repeat the random numbers of an earlier one."""
 
 
 class InterruptedEarlyError(Exception):
@@ -120,9 +133,13 @@ def parse(arguments: list[str] | None) -> argparse.Namespace:
     budget.add_argument("--spp", type=positive_int, help="samples (light paths) per pixel")
     add("--checkpoints", type=times, default=[], help="measured times in seconds: t1,t2,…")
     add("--pass-spp", type=positive_int, help="samples of a pass; default: calibrated")
+    add("--reference-from", type=index, help="render a reference on from this pass")
     add("--block", type=positive_int, default=16, help="side of a block in pixels")
     add("--out", type=Path, required=True, help="folder for the results")
-    return parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
+    if options.reference_from is not None and options.pass_spp is None:
+        parser.error("--reference-from needs --pass-spp: all passes of a reference are alike")
+    return options
 
 
 def positive_int(text: str) -> int:
@@ -131,6 +148,14 @@ def positive_int(text: str) -> int:
     if value < 1:
         raise argparse.ArgumentTypeError(f"{text} is not positive")
     return min(value, 2**31 - 1)
+
+
+def index(text: str) -> int:
+    """Whole number of at least 0."""
+    value = int(text)
+    if value < 0:
+        raise argparse.ArgumentTypeError(f"{text} is negative")
+    return value
 
 
 def positive_float(text: str) -> float:
@@ -194,12 +219,21 @@ def run(options: argparse.Namespace, interrupt: Interrupt) -> int:
     pass_spp, setup_seconds = warm_up(loaded.render, variant, options, interrupt)
     warmup_seconds = time.perf_counter() - start
 
-    seeds = PassSeeds(options.seed, *loaded.size)
+    first = options.reference_from
+    scalar = variant.startswith("scalar")
+    seeds = PassSeeds(options.seed, *loaded.size, reference=first is not None, scalar=scalar)
     ladder = Ladder(options.block, options.checkpoints)
     checkpoints: list[dict[str, Any]] = []
     last_progress = 0.0
-    for index, spp in enumerate(pass_sizes(options.spp, pass_spp)):
-        reached = ladder.add(timed(loaded.render, seeds(index), spp), spp)
+    for number, spp in enumerate(pass_sizes(options.spp, pass_spp), first or 0):
+        if first is not None and number >= seeds.capacity:
+            raise SeedsUsedUpError(
+                f"no pass after the {number}-th has random numbers of its own in {variant}"
+            )
+        step = timed(loaded.render, seeds(number), spp)
+        reached = ladder.add(step, spp)
+        if first is not None:
+            write_pass(options.out, number, step.image, ladder)
         done = options.seconds is not None and ladder.seconds >= options.seconds
         if reached is not None:
             checkpoints.append(write_checkpoint(options.out, ladder, reached))
@@ -352,6 +386,19 @@ def write_checkpoint(folder: Path, ladder: Ladder, index: int) -> dict[str, Any]
         "cpu_seconds": ladder.cpu_seconds,
         "invalid": ladder.invalid,
     }
+
+
+def write_pass(folder: Path, number: int, image: Image, ladder: Ladder) -> None:
+    """Write the image of the ladder's latest pass, and tell."""
+    file = f"pass_{number:08d}.npy"
+    write_array(folder / file, image.astype(np.float32, copy=False))
+    tell(
+        file=file,
+        spp=ladder.pass_spp[-1],
+        seconds=ladder.seconds,
+        cpu_seconds=ladder.cpu_seconds,
+        invalid=invalid_pixels(image),
+    )
 
 
 def tell(**values: float | int | str) -> None:

@@ -75,6 +75,18 @@ def test_pixels_never_share_a_seed(size: tuple[int, int]) -> None:
     for seed in range(4):
         passes = PassSeeds(seed, width, height)
         starts += [passes(index) * width * height % 2**32 for index in range(200)]
+    reference = PassSeeds(3, width, height, reference=True)
+    starts += [reference(index) * width * height % 2**32 for index in range(1000)]
     starts = sorted(starts)
     gaps = np.diff([*starts, starts[0] + 2**32])
     assert gaps.min() >= blocks * BLOCK * BLOCK
+
+
+def test_no_seed_of_a_run_is_one_of_a_reference() -> None:
+    run, kept = (PassSeeds(9, 512, 512, reference=reference) for reference in (False, True))
+    assert run.capacity == kept.capacity == 8192
+    seeds = [{seeds(index) for index in range(seeds.capacity)} for seeds in (run, kept)]
+    assert len(seeds[0] | seeds[1]) == 2 * 8192
+    hashed = PassSeeds(2**31 - 1, 512, 512, reference=True, scalar=False)
+    assert hashed.capacity == 2**31
+    assert 2**31 <= min(hashed(0), hashed(2**31 - 1)) <= max(hashed(0), hashed(2**31 - 1)) < 2**32

@@ -15,6 +15,7 @@ import pytest
 pytest.importorskip("mitsuba", reason="mitsuba is not installed; run scripts/setup")
 
 from pathspace import llvm
+from pathspace.seeds import PassSeeds
 
 VARIANTS = [
     "scalar_rgb",
@@ -151,3 +152,53 @@ def test_an_interrupted_run_keeps_what_it_has(tmp_path: Path) -> None:
     assert found["interrupted"]
     assert found["checkpoints"][-1]["spp"] == found["spp"] > 0
     assert last_image(tmp_path).shape == (16, 24, 3)
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_a_reference_goes_on_with_passes_it_has_not_had(tmp_path: Path, variant: str) -> None:
+    options = f"--integrator path --variant {variant} --pass-spp 2 --threads 2".split()
+
+    def passes(first: int, spp: int) -> list[np.ndarray]:
+        status, log = run(tmp_path, *options, "--reference-from", str(first), "--spp", str(spp))
+        assert status == 0, log
+        told = [json.loads(line) for line in log.splitlines() if '"file"' in line]
+        assert [step["file"] for step in told] == [
+            f"pass_{first + i:08d}.npy" for i in range(spp // 2)
+        ]
+        return [np.load(tmp_path / "out" / step["file"]) for step in told]
+
+    whole = passes(0, 8)
+    assert np.array_equal(whole, passes(0, 4) + passes(2, 4))
+    distinct = {image.tobytes() for image in whole}
+    assert len(distinct) == 4
+
+
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_errors_of_references_are_what_their_passes_say(tmp_path: Path, variant: str) -> None:
+    """64 references of 8 passes against all 512: variance between over that within.
+
+    Pixels and channels share paths, so the ratio's error comes from groups of references: it is
+    within 4 standard errors of 1 (false alarms: one in 2000), and these are at most 3 %. Passes
+    that came twice in a reference would double it, and scalar seeds in a row make it 1.07.
+    """
+    options = f"--integrator path --variant {variant} --pass-spp 1 --threads 2 --max-length 3"
+    status, log = run(tmp_path, *options.split(), "--reference-from", "100", "--spp", "512")
+    assert status == 0, log
+    files = sorted((tmp_path / "out").glob("pass_*.npy"))
+    passes = np.stack([np.load(file) for file in files]).astype(np.float64)
+    groups = passes.reshape(64, 8, -1)
+    squared = (groups.mean(axis=1) - passes.reshape(512, -1).mean(axis=0)) ** 2 * 64 / 63
+    variance = groups.var(axis=1, ddof=1) / 8
+    ratios = squared.mean(axis=1) / variance.mean()
+    error = ratios.std(ddof=1) / np.sqrt(len(ratios))
+    assert error < 0.03
+    assert abs(ratios.mean() - 1) < 4 * error
+
+
+def test_a_reference_without_seeds_left_fails(tmp_path: Path) -> None:
+    capacity = PassSeeds(0, 24, 16, reference=True).capacity
+    options = "--integrator path --variant scalar_rgb --pass-spp 1 --spp 4 --reference-from"
+    status, log = run(tmp_path, *options.split(), str(capacity - 2))
+    assert status == 1
+    assert f"no pass after the {capacity}-th" in log
+    assert len([line for line in log.splitlines() if '"file"' in line]) == 2

@@ -54,6 +54,13 @@ pub(crate) fn duration(text: &str) -> Result<f64, String> {
     usable.ok_or_else(|| "expected a time such as 90s, 10m or 1h30m".into())
 }
 
+/// `0.5%`, as a share of one.
+pub(crate) fn percentage(text: &str) -> Result<f64, String> {
+    let parsed = text.strip_suffix('%').and_then(|number| number.trim().parse().ok());
+    let usable = parsed.filter(|&percent: &f64| percent > 0.0 && percent <= 100.0);
+    usable.map(|percent| percent / 100.0).ok_or_else(|| "expected a percentage such as 0.5%".into())
+}
+
 /// `X,Y`.
 pub(crate) fn pixel(text: &str) -> Result<Pixel, String> {
     let parse = || {

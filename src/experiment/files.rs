@@ -184,11 +184,8 @@ impl Folder {
     }
 }
 
-/// An image with its standard error, as [`read_reference`](super::read_reference) reads it.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_reference(file: &Path, scene: &str, words: &str, reference: &Reference) -> Result<(), ExperimentError> {
+/// An image with its standard error, as [`super::reference`] reads it.
+fn write_reference(file: &Path, scene: &str, words: &str, reference: &Reference) -> Result<(), ExperimentError> {
     let info = RenderInfo {
         scene: scene.into(),
         integrator: words.into(),

@@ -127,6 +127,9 @@ impl Mitsuba {
         )
     }
 
+    /// Why it does not take part where none was found.
+    pub(super) const MISSING: &str = "no Python with Mitsuba here: run scripts/setup, or name one in $PATHSPACE_PYTHON";
+
     pub(super) fn versions(&self) -> String {
         format!("mitsuba {}, LLVM {}", self.version, self.llvm.as_deref().unwrap_or("none"))
     }
@@ -144,6 +147,16 @@ impl Mitsuba {
             ("llvm_ad_rgb", Some(advice)) => Err(advice.into()),
             _ => Ok(()),
         }
+    }
+
+    /// A run of `method` on an exported scene, whose files go to `out`.
+    pub(super) fn run(&self, method: &MitsubaMethod, scene: &Path, out: &Path) -> Command {
+        let mut command = self.command("mitsuba_run");
+        command.arg("--scene").arg(scene).arg("--out").arg(out);
+        command.args(["--integrator", method.integrator, "--variant", &method.variant]);
+        command.args(["--max-length", &method.max_length, "--rr-depth", &method.rr_depth.to_string()]);
+        command.args(["--block", &BLOCK_SIDE.to_string()]);
+        command
     }
 
     fn command(&self, module: &str) -> Command {
@@ -170,13 +183,9 @@ pub(super) fn render(
     pass_spp: Option<u64>,
     observer: &mut (dyn Observer + Send),
 ) -> Result<RunEnd, ExperimentError> {
-    let mut command = mitsuba.command("mitsuba_run");
+    let mut command = mitsuba.run(method, scene, folder);
     let checkpoints = job.plan.checkpoints.iter().map(f64::to_string).collect::<Vec<_>>().join(",");
-    command.arg("--scene").arg(scene).arg("--out").arg(folder);
-    command.args(["--integrator", method.integrator, "--variant", &method.variant]);
     command.args(["--seed", &job.seed.to_string(), "--threads", &job.plan.machine.threads.to_string()]);
-    command.args(["--max-length", &method.max_length, "--rr-depth", &method.rr_depth.to_string()]);
-    command.args(["--block", &BLOCK_SIDE.to_string()]);
     let (limit, pass_of_budget) = match job.budget() {
         Budget::Spp(spp) => {
             command.args(["--spp", &spp.to_string()]);
@@ -204,7 +213,7 @@ pub(super) fn render(
                     if let Ok(Progress { seconds, spp }) = serde_json::from_str(&text) {
                         let spent = if job.budget().seconds().is_some() { seconds } else { spp as f64 };
                         let share = spent / job.budget().end();
-                        cell.borrow_mut().progress(&Standing { share, seconds, spp, rmse: None });
+                        cell.borrow_mut().progress(&Standing { share, seconds, spp, ..Standing::default() });
                     }
                 }
                 Line::Error(text) if !text.is_empty() => last = text,
@@ -291,7 +300,7 @@ fn collect(job: &Job<'_>, folder: &Path) -> Result<Finished, ExperimentError> {
     Ok(Finished { rows, image: Some(image), statistics, restricted, pass_spp: run.pass_spp })
 }
 
-fn image_of(array: &Array) -> Option<Image> {
+pub(super) fn image_of(array: &Array) -> Option<Image> {
     let &[height, width, 3] = array.shape.as_slice() else { return None };
     let pixels = array.data.chunks_exact(3).map(|c| Rgb::new(c[0], c[1], c[2])).collect();
     Image::new(u32::try_from(width).ok()?, u32::try_from(height).ok()?, pixels).ok()

@@ -33,7 +33,7 @@ pub use budget::Budget;
 pub use collect::{Report, collect};
 pub use entry::StringOr;
 pub use error::ExperimentError;
-pub use files::{Folder, write_reference};
+pub use files::Folder;
 pub use machine::Machine;
 pub use manifest::{Manifest, MethodEntry, SceneEntry};
 pub use method::MITSUBA;

@@ -153,7 +153,7 @@ impl Control for Clock<'_> {
         let share = self.spent(film) / self.job.budget().end();
         let rmse = self.rows.last().and_then(|row| row.rmse);
         let seconds = self.wall.as_secs_f64();
-        self.observer.progress(&Standing { share, seconds, spp: film.passes(), rmse });
+        self.observer.progress(&Standing { share, seconds, spp: film.passes(), rmse, ..Standing::default() });
         self.batch = Some((Instant::now(), ProcessTime::now()));
         wanted
     }

@@ -238,7 +238,7 @@ fn resolve_scene(
             MethodKind::Own(integrator) => integrator.supports(&subject.scene).err(),
             MethodKind::Mitsuba(wanted) => match mitsuba {
                 Some(mitsuba) => mitsuba.supports(wanted).err(),
-                None => Some("no Python with Mitsuba here: run scripts/setup, or name one in $PATHSPACE_PYTHON".into()),
+                None => Some(Mitsuba::MISSING.into()),
             },
         };
         plan.settings.insert(label.clone(), method.settings);

@@ -12,8 +12,7 @@ use crate::scene::description;
 use crate::spectrum::Rgb;
 
 use super::Subject;
-use super::budget::Budget;
-use super::cache::{Cache, Wanted};
+use super::cache::{Cache, Until, Wanted};
 use super::error::ExperimentError;
 use super::plan::ScenePlan;
 
@@ -34,11 +33,11 @@ pub enum ReferencePolicy {
     Rendered(RenderedReference),
 }
 
-/// A reference by a method of one's own.
+/// A reference by a method of the registry or of Mitsuba.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RenderedReference {
-    /// `name:key=value:…` of the registry.
+    /// `name:key=value:…`, of the registry or of Mitsuba.
     pub method: String,
     /// Rendering time at least spent on it \[s\].
     pub seconds: f64,
@@ -132,7 +131,7 @@ pub(super) fn resolve(
         (ReferencePolicy::None, _) => Ok(Truth { words: "none".into(), reference: None, exact: None }),
         (ReferencePolicy::File(file), _) => read(subject, file),
         (ReferencePolicy::Rendered(RenderedReference { method, seconds }), _) => {
-            let wanted = Wanted { subject, plan, method, until: Budget::Seconds(*seconds) };
+            let wanted = Wanted { subject, plan, method, until: Until::Seconds(*seconds) };
             let (reference, words) = cache.reference(&wanted)?;
             Ok(Truth { words, reference: Some(reference), exact: None })
         }

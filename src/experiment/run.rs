@@ -39,7 +39,7 @@ pub struct RunId {
 }
 
 /// Where a run stands.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Standing {
     /// Share of its budget that is spent.
     pub share: f64,
@@ -49,6 +49,10 @@ pub struct Standing {
     pub spp: u64,
     /// Error at the latest checkpoint, where it is known.
     pub rmse: Option<f64>,
+    /// Of a reference: its noise, see [`super::cache::Kept::noise`].
+    pub noise: Option<f64>,
+    /// Rendering time left, where that is known better than from the budget \[s\].
+    pub seconds_left: Option<f64>,
 }
 
 /// Is told how an experiment goes on, while no clock runs.

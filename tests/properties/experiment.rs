@@ -73,7 +73,7 @@ const PLANTED: [Entry; 4] = [
     Entry { name: "honest", summary: "as it is", build: |settings| biased(settings, Some) },
 ];
 
-fn registry() -> Registry {
+pub fn registry() -> Registry {
     let shipped = [pathspace_path::ENTRY, pathspace_path_bsdf::ENTRY, pathspace_light::ENTRY];
     shipped.into_iter().chain(PLANTED).fold(Registry::default(), Registry::with)
 }
@@ -85,7 +85,7 @@ fn enclosure() -> SceneDescription {
     description
 }
 
-fn subject(description: SceneDescription) -> Subject {
+pub fn subject(description: SceneDescription) -> Subject {
     let scene = scenes::build(&description);
     Subject { scene, description, fingerprint: "it".into(), load_seconds: 0.5, build_seconds: 0.25 }
 }

@@ -10,4 +10,5 @@ mod path_log;
 mod path_log_recomputed;
 mod radiosity;
 mod range;
+mod references;
 mod visibility;

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-use crate::cli::progress::time;
+use crate::cli::progress::{percent, time};
 use crate::cli::{complain, interrupt};
 use crate::experiment::{Budget, Observer, RunId, Standing, Unfinished};
 use crate::report::Row;
@@ -85,8 +85,9 @@ impl Observer for Watch {
         let done = (run.number as f64 - 1.0 + standing.share.clamp(0.0, 1.0)) / run.of as f64;
         self.bar.set_position((1000.0 * done) as u64);
         let rmse = standing.rmse.map_or_else(String::new, |rmse| format!(", RMSE {rmse:.2e}"));
-        let left = time(self.seconds_left(run, standing));
-        self.bar.set_message(format!("{}: {} spp{rmse}, {left} left", title(run), standing.spp));
+        let noise = standing.noise.map_or_else(String::new, |noise| format!(", noise {}", percent(noise)));
+        let left = time(standing.seconds_left.unwrap_or_else(|| self.seconds_left(run, standing)));
+        self.bar.set_message(format!("{}: {} spp{rmse}{noise}, {left} left", title(run), standing.spp));
     }
 
     fn finished(&mut self, run: &RunId, row: &Row) {

@@ -1,36 +1,36 @@
 //! References that are rendered once, kept, and extended: `$PATHSPACE_CACHE/references/SCENE_KEY/METHOD.film`.
 //!
 //! The key changes with whatever the expected image depends on: content of the scene, size of the film, longest path. Below it
-//! lies the state of a film for each method that has rendered it, and of Mitsuba a folder of runs, so that methods can be compared before one is believed.
+//! lies the state of a film for each method that has rendered it, Mitsuba's too, so that methods can be compared before one is
+//! believed. `src/docs/references.md` tells users.
 
-mod runs;
+mod by_mitsuba;
+mod by_us;
+mod growth;
+mod kept;
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
-use cpu_time::ProcessTime;
 use xxhash_rust::xxh3::xxh3_64;
 
-use crate::estimator::{Control, Registry};
-use crate::film::{Film, Image, RenderInfo, state};
-use crate::report::{Agreement, AgreementSettings, Reference, Verdict};
+use crate::estimator::Registry;
+use crate::film::{Film, RenderInfo, state};
+use crate::report::{Reference, Verdict};
 
 use super::Subject;
-use super::budget::Budget;
 use super::error::ExperimentError;
 use super::files::file_name;
-use super::method::{self, MethodKind};
+use super::method::{self, Method, MethodKind};
 use super::mitsuba::Mitsuba;
 use super::plan::ScenePlan;
-use super::run::{Observer, RunId, Standing};
-use runs::read_runs;
+use super::run::{Observer, RunId};
+use growth::Growth;
+pub use growth::Until;
+pub use kept::{Kept, compare};
 
 /// Seeds of runs are smaller, so that no run shares its random numbers with its reference.
-const SEED: u64 = 1 << 62;
-
-/// Rendering time between two looks at the clock \[s\].
-const LOOK_EVERY: f64 = 0.2;
+const FIRST_SEED: u64 = 1 << 62;
 
 /// Rendering time after which what is done is written \[s\].
 const SAVE_EVERY: f64 = 60.0;
@@ -56,32 +56,10 @@ pub struct Wanted<'a> {
     pub subject: &'a Subject,
     /// How it is rendered.
     pub plan: &'a ScenePlan,
-    /// `name:key=value:…` of the registry.
+    /// `name:key=value:…` of the registry or of Mitsuba.
     pub method: &'a str,
-    /// Rendering time or samples at least spent on it, in all.
-    pub until: Budget,
-}
-
-impl Wanted<'_> {
-    fn spent(&self, film: &Film, info: &RenderInfo) -> f64 {
-        match self.until {
-            Budget::Seconds(_) | Budget::Error(_) => info.render_seconds,
-            Budget::Spp(_) => film.passes() as f64,
-        }
-    }
-}
-
-/// A reference that is kept.
-#[derive(Debug)]
-pub struct Kept {
-    /// Its method, as the user wrote it.
-    pub method: String,
-    /// Its film; a pass is a sample per pixel, and of Mitsuba a run.
-    pub film: Film,
-    /// Samples per pixel.
-    pub spp: u64,
-    /// What made it.
-    pub info: RenderInfo,
+    /// How far.
+    pub until: Until,
 }
 
 /// `$PATHSPACE_CACHE`, else `pathspace` in the user's folder for caches, else `.pathspace-cache`.
@@ -94,38 +72,14 @@ pub fn default_folder() -> PathBuf {
         .unwrap_or_else(|| PathBuf::from(".pathspace-cache"))
 }
 
-impl Kept {
-    /// With the variance of its pixels.
-    #[must_use]
-    pub fn reference(&self) -> Reference {
-        let square = |error: Image| Image { pixels: error.pixels.iter().map(|&e| e * e).collect(), ..error };
-        Reference { mean: self.film.mean_image(), variance: self.film.standard_error_image().map(square) }
-    }
-
-    /// What it is, in words.
-    #[must_use]
-    pub fn words(&self) -> String {
-        format!("{}, {} spp in {:.0} s", self.method, self.spp, self.info.render_seconds)
-    }
-
-    /// Root mean square of its pixels' standard errors over the mean of the image; `None` below two passes.
-    #[must_use]
-    pub fn noise(&self) -> Option<f64> {
-        let error = self.film.standard_error_image()?;
-        let values = |image: &Image| image.pixels.iter().flat_map(|pixel| pixel.to_array()).collect::<Vec<_>>();
-        let (errors, means) = (values(&error), values(&self.film.mean_image()));
-        let count = errors.len() as f64;
-        let square = errors.iter().map(|error| error * error).sum::<f64>() / count;
-        Some(square.sqrt() / (means.iter().sum::<f64>() / count))
-    }
-}
-
 impl Cache<'_> {
     /// Where the references of a scene lie.
     #[must_use]
     pub fn folder_of(&self, subject: &Subject, plan: &ScenePlan) -> PathBuf {
         let key = format!("{} {:?} {}", subject.fingerprint, plan.film, plan.max_length);
-        self.folder.join("references").join(format!("{}_{:016x}", file_name(&plan.name), xxh3_64(key.as_bytes())))
+        // Not the name that an experiment gives it: another would not find what it has.
+        let name = file_name(subject.scene.name());
+        self.folder.join("references").join(format!("{name}_{:016x}", xxh3_64(key.as_bytes())))
     }
 
     /// All references of a scene, by method.
@@ -134,17 +88,10 @@ impl Cache<'_> {
     /// Where one is damaged.
     pub fn kept(&self, subject: &Subject, plan: &ScenePlan) -> Result<Vec<Kept>, ExperimentError> {
         let entries = fs::read_dir(self.folder_of(subject, plan)).into_iter().flatten().flatten();
-        let mut places: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
-        places.sort();
-        let mut kept = Vec::new();
-        for place in places {
-            if place.is_dir() {
-                kept.extend(read_runs(&place)?);
-            } else if place.extension().is_some_and(|ending| ending == "film") {
-                kept.push(read(&place)?);
-            }
-        }
-        Ok(kept)
+        let mut files: Vec<PathBuf> = entries.map(|entry| entry.path()).collect();
+        files.retain(|file| file.extension().is_some_and(|ending| ending == "film"));
+        files.sort();
+        files.iter().map(|file| Kept::read(file)).collect()
     }
 
     /// A reference with its description; what is missing is rendered.
@@ -168,118 +115,97 @@ impl Cache<'_> {
                 )));
             }
         }
-        Ok((ours.reference(), ours.words()))
+        let reference = ours.reference();
+        if !reference.mean.pixels.iter().all(|pixel| pixel.is_finite()) {
+            let what = format!("{name}: the reference by {} holds pixels that are not finite", ours.method);
+            return Err(ExperimentError::Scene(what));
+        }
+        Ok((reference, ours.words()))
     }
 
-    /// Renders until all that is wanted is spent on the reference; goes on with what is there.
+    /// Renders until the reference is as far as is wanted; goes on with what is there.
     ///
     /// # Errors
     /// Where the method cannot render it, the user stops, or a file cannot be written.
     pub fn extend(&mut self, wanted: &Wanted<'_>) -> Result<(), ExperimentError> {
-        let Wanted { subject, plan, method: text, .. } = *wanted;
+        let Wanted { subject, plan, method: text, until } = *wanted;
         let method = method::build(text, self.registry, &plan.max_length)?;
-        let MethodKind::Own(integrator) = &method.kind else {
-            return self.extend_runs(wanted, &self.folder_of(subject, plan).join(file_name(text)));
-        };
-        integrator
-            .supports(&subject.scene)
-            .map_err(|why| ExperimentError::Scene(format!("{}: reference by {text}: {why}", plan.name)))?;
         let folder = self.folder_of(subject, plan);
+        let file = folder.join(format!("{}.film", file_name(text)));
+        // One that is far enough needs neither Mitsuba nor a folder that can be written to.
+        if file.exists() {
+            let kept = Kept::read(&file)?.check(&file, &method)?;
+            if Growth::new(until, &mut ()).look(&kept.film, &kept.info)? {
+                return Ok(());
+            }
+        }
+        let refuse = |why: String| ExperimentError::Scene(format!("{}: reference by {text}: {why}", plan.name));
+        match &method.kind {
+            MethodKind::Own(integrator) => integrator.supports(&subject.scene).map_err(refuse)?,
+            MethodKind::Mitsuba(wanted) => match self.mitsuba {
+                Some(mitsuba) => mitsuba.supports(wanted).map_err(refuse)?,
+                None => return Err(refuse(Mitsuba::MISSING.into())),
+            },
+        }
         let failed = |path: &Path| {
             let path = path.display().to_string();
             move |error: std::io::Error| ExperimentError::Scene(format!("{path}: cannot be made: {error}"))
         };
         fs::create_dir_all(&folder).map_err(failed(&folder))?;
-        let file = folder.join(format!("{}.film", file_name(text)));
         let lock_file = file.with_extension("lock");
         let lock = File::create(&lock_file).map_err(failed(&lock_file))?;
         // Where there are no locks, two may render the same, and the later one is kept.
         let _ = lock.lock();
-        let Kept { mut film, mut info, .. } = if file.exists() {
-            read(&file)?
+        let mut kept = if file.exists() {
+            Kept::read(&file)?.check(&file, &method)?
         } else {
-            let info = RenderInfo {
-                scene: plan.name.clone(),
-                integrator: text.to_owned(),
-                settings: serde_json::json!(method.settings),
-                seed: SEED,
-                version: env!("CARGO_PKG_VERSION").into(),
-                ..RenderInfo::default()
-            };
-            let film = Film::new(plan.film.width, plan.film.height, None)?;
-            Kept { method: text.to_owned(), film, spp: 0, info }
+            Kept {
+                method: text.to_owned(),
+                film: Film::new(plan.film.width, plan.film.height, None)?,
+                info: begin(plan, text, &method),
+            }
         };
-        if info.settings != serde_json::json!(method.settings) {
-            let what = format!("{}: was rendered with other settings; remove it", file.display());
-            return Err(ExperimentError::Scene(what));
-        }
-        let id =
-            RunId { number: 1, of: 1, scene: plan.name.clone(), method: format!("reference by {text}"), seed: SEED };
-        self.observer.begin(&id);
-        let end = wanted.until.end();
-        while wanted.spent(&film, &info) < end && !self.observer.stopped() {
-            let save_at = info.render_seconds + SAVE_EVERY;
-            let mut clock = Clock { wanted, save_at, info: &mut info, observer: self.observer, batch: None };
-            self.pool.install(|| integrator.render(&subject.scene, SEED, &mut film, &mut clock));
-            state::save(&file, &film, &info)?;
-        }
-        if wanted.spent(&film, &info) < end {
-            let spent = info.render_seconds;
+        kept.made_by(&self.renderer(&method));
+        self.observer.begin(&RunId {
+            number: 1,
+            of: 1,
+            scene: plan.name.clone(),
+            method: format!("reference by {text}"),
+            seed: kept.info.seed,
+        });
+        let done = match &method.kind {
+            MethodKind::Own(integrator) => self.by_us(wanted, integrator.as_ref(), &mut kept, &file)?,
+            MethodKind::Mitsuba(integrator) => self.by_mitsuba(wanted, integrator, &mut kept, &file)?,
+        };
+        if !done {
+            let spent = kept.info.render_seconds;
             let what = format!("{}: reference stopped after {spent:.0} s; it goes on where it was", plan.name);
             return Err(ExperimentError::Stopped(what));
         }
         Ok(())
     }
-}
 
-fn read(file: &Path) -> Result<Kept, ExperimentError> {
-    let (film, info) = state::load(file)?;
-    Ok(Kept { method: info.integrator.clone(), spp: film.passes(), film, info })
-}
-
-/// Whether two references of a scene are of the same image; `None` where one has too few passes to say.
-///
-/// # Errors
-/// Where they are of different sizes.
-pub fn compare(a: &Kept, b: &Kept) -> Result<Option<Agreement>, ExperimentError> {
-    let settings = AgreementSettings::default();
-    if a.film.passes().min(b.film.passes()) < settings.smallest_passes {
-        return Ok(None);
-    }
-    let both = (a.film.block_statistics(), b.film.block_statistics());
-    Ok(Some(Agreement::test_with(both, both, &settings)?))
-}
-
-struct Clock<'a> {
-    wanted: &'a Wanted<'a>,
-    /// Rendering time at which what is done is written \[s\].
-    save_at: f64,
-    info: &'a mut RenderInfo,
-    observer: &'a mut (dyn Observer + Send),
-    batch: Option<(Instant, ProcessTime, u64)>,
-}
-
-impl Control for Clock<'_> {
-    fn next_passes(&mut self, film: &Film) -> u64 {
-        let mut per_pass = Duration::ZERO;
-        if let Some((wall, processor, passes)) = self.batch.take() {
-            let wall = wall.elapsed();
-            self.info.render_seconds += wall.as_secs_f64();
-            self.info.cpu_seconds += processor.elapsed().as_secs_f64();
-            per_pass = wall / (film.passes() - passes).max(1) as u32;
-        }
-        let (seconds, spent, end) =
-            (self.info.render_seconds, self.wanted.spent(film, self.info), self.wanted.until.end());
-        self.observer.progress(&Standing { share: spent / end, seconds, spp: film.passes(), rmse: None });
-        if spent >= end || seconds >= self.save_at || self.observer.stopped() {
-            return 0;
-        }
-        self.batch = Some((Instant::now(), ProcessTime::now(), film.passes()));
-        let fitting = LOOK_EVERY / per_pass.as_secs_f64();
-        let passes = if fitting.is_finite() { (fitting as u64).max(1) } else { 1 };
-        match self.wanted.until {
-            Budget::Spp(spp) => passes.min(spp - film.passes()),
-            Budget::Seconds(_) | Budget::Error(_) => passes,
+    fn renderer(&self, method: &Method) -> String {
+        let own = env!("CARGO_PKG_VERSION");
+        match (&method.kind, self.mitsuba) {
+            (MethodKind::Mitsuba(_), Some(mitsuba)) => format!("{own} with {}", mitsuba.versions()),
+            _ => own.to_owned(),
         }
     }
+}
+
+/// What is known before the first pass.
+fn begin(plan: &ScenePlan, text: &str, method: &Method) -> RenderInfo {
+    RenderInfo {
+        scene: plan.name.clone(),
+        integrator: text.to_owned(),
+        settings: kept::settings(method),
+        // One for each method: references that are compared must be independent.
+        seed: FIRST_SEED | xxh3_64(text.as_bytes()) >> 2,
+        ..RenderInfo::default()
+    }
+}
+
+fn save(file: &Path, film: &Film, info: &RenderInfo) -> Result<(), ExperimentError> {
+    Ok(state::save(file, film, info)?)
 }

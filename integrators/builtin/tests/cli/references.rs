@@ -1,7 +1,10 @@
 //! References that are kept, and images of other programs.
 
 use std::fs;
-use std::process::Output;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
 
 use crate::support::{Folder, pathspace, stderr, stdout, succeed, workspace};
 
@@ -60,6 +63,125 @@ fn references_of_two_methods_that_differ_are_refused() {
     assert!(stderr(&output).contains("references by light and light:max_length=3 differ"), "{}", stderr(&output));
 }
 
+/// The only film in a cache.
+fn film(cache: &str) -> PathBuf {
+    let scenes = fs::read_dir(Path::new(cache).join("references")).unwrap().flatten();
+    let files = scenes.flat_map(|scene| fs::read_dir(scene.path()).unwrap().flatten());
+    let mut films: Vec<_> =
+        files.map(|entry| entry.path()).filter(|path| path.extension() == Some("film".as_ref())).collect();
+    assert_eq!(films.len(), 1, "{films:?}");
+    films.remove(0)
+}
+
+/// A film that is 2 % too bright, as if its scene were another: over ten standard errors of the image's mean.
+#[test]
+fn a_kept_film_that_is_scaled_is_refused_by_check_and_before_use() {
+    let folder = Folder::new();
+    let source = workspace().join("scenes/cornell_box");
+    let mut scene: serde_json::Value = serde_json::from_slice(&fs::read(source.join("scene.gltf")).unwrap()).unwrap();
+    for material in scene["materials"].as_array_mut().unwrap() {
+        let emission = material.get_mut("emissiveFactor").and_then(serde_json::Value::as_array_mut);
+        for channel in emission.into_iter().flatten() {
+            *channel = (1.02 * channel.as_f64().unwrap()).into();
+        }
+    }
+    fs::copy(source.join("scene.bin"), folder.path("scene.bin")).unwrap();
+    let bright = folder.write("scene.gltf", scene.to_string());
+    let (cache, other) = (folder.path("cache"), folder.path("other"));
+    let render = |cache: &str, scene: &str, method: &str| {
+        let output = cached(cache, &["reference", scene, "--method", method, "--film", "32x32", "--spp", "600"]);
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    };
+    render(&other, &bright, "light");
+    render(&cache, "cornell_box", "bdpt");
+    let ours = film(&cache);
+    let show = |flag: &str| cached(&cache, &["reference", "cornell_box", "--film", "32x32", flag]);
+    assert_eq!(show("--check").status.code(), Some(0));
+    fs::copy(film(&other), ours.with_file_name("light.film")).unwrap();
+
+    let (checked, listed) = (show("--check"), show("--list"));
+    assert_eq!((checked.status.code(), listed.status.code()), (Some(3), Some(0)));
+    assert!(stdout(&checked).contains("bdpt and light: differ"), "{}", stdout(&checked));
+    assert!(!stdout(&listed).contains("differ") && stdout(&listed).contains("light   600"), "{}", stdout(&listed));
+    let narrow = |text: &str| text.lines().all(|line| line.chars().count() <= 80 || line.contains("kept in"));
+    assert!(narrow(&stdout(&checked)) && narrow(&stdout(&listed)), "{}", stdout(&checked));
+    let manifest = "scenes = [{ file = 'scenes/cornell_box', film = '32x32' }]\nmethods = ['path']\nseeds = 1\n\
+                    budget = { spp = 1 }\nreference = { method = 'light', seconds = 0.01 }\n";
+    let output = cached(&cache, &["compare", &folder.write("exp.toml", manifest)]);
+    assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+    assert!(stderr(&output).contains("references by light and bdpt differ"), "{}", stderr(&output));
+}
+
+#[test]
+fn ctrl_c_keeps_what_was_rendered_and_the_file_says_how_it_was_made() {
+    let folder = Folder::new();
+    let (cut, whole, image) = (folder.path("cut"), folder.path("whole"), folder.path("box.exr"));
+    let base = ["reference", "cornell_box", "--film", "48x32", "--method", "path:heuristic=power"];
+    let mut command = pathspace(&[&base[..], &["--add", "1h"]].concat());
+    let child = command.env("PATHSPACE_CACHE", &cut).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    sleep(Duration::from_millis(900));
+    assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130), "{}", stderr(&output));
+    assert!(stderr(&output).contains("goes on where it was") && !stderr(&output).contains("panicked"));
+
+    let (kept, info) = pathspace::film::state::load(&film(&cut)).unwrap();
+    let spp = kept.passes().to_string();
+    let output = cached(&whole, &[&base[..], &["--spp", &spp, "-o", &image]].concat());
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+    assert_eq!(pathspace::film::state::load(&film(&whole)).unwrap().0, kept);
+
+    let file = pathspace::film::exr::read_layers(image.as_ref(), |_| true).unwrap();
+    assert_eq!(file.layers.keys().collect::<Vec<_>>(), ["", "standard_error"]);
+    assert_eq!(file.layers["standard_error"].pixels, {
+        let error = kept.standard_error_image().unwrap();
+        error.pixels.iter().map(|pixel| pixel.map(|x| f64::from(x as f32))).collect::<Vec<_>>()
+    });
+    assert_eq!((&file.texts["integrator"], &file.texts["samplesPerPixel"]), (&info.integrator, &spp));
+    assert_eq!(file.texts["seed"], info.seed.to_string());
+    assert!(file.texts["settings"].contains("power"), "{:?}", file.texts);
+}
+
+/// Passes of Mitsuba go on where they were, with seeds that they have not had, and are held against ours.
+#[test]
+fn mitsuba_makes_references_too() {
+    let folder = Folder::new();
+    let (parts, whole) = (folder.path("parts"), folder.path("whole"));
+    let base = ["reference", "cornell_box", "--film", "16x16", "--max-length", "4"];
+    let render = |cache: &str, method: &str, spp: &str| {
+        cached(cache, &[&base[..], &["--method", method, "--spp", spp]].concat())
+    };
+    let first = render(&parts, "mitsuba:path", "100");
+    if stderr(&first).contains("run scripts/setup") {
+        println!("skipped: {}", stderr(&first).trim());
+        return;
+    }
+    for (output, shown) in [
+        (first, "mitsuba:path  112"),
+        (render(&parts, "mitsuba:path", "400"), "mitsuba:path  400"),
+        (render(&whole, "mitsuba:path", "400"), "mitsuba:path  400"),
+    ] {
+        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+        assert!(stdout(&output).contains(shown), "{}", stdout(&output));
+    }
+    let [cut, unbroken] = [&parts, &whole].map(|cache| pathspace::film::state::load(&film(cache)).unwrap());
+    assert_eq!(cut.0, unbroken.0);
+    assert!(cut.1.version.contains("mitsuba 3"), "{}", cut.1.version);
+
+    let output = render(&parts, "path", "2000");
+    assert_eq!(output.status.code(), Some(0), "{}", stdout(&output));
+    assert!(stdout(&output).contains("mitsuba:path and path: "), "{}", stdout(&output));
+    assert!(!stdout(&output).contains("too few samples"), "{}", stdout(&output));
+
+    // Long enough already: it is used without another pass.
+    let manifest = "scenes = [{ file = 'scenes/cornell_box', film = '16x16' }]\nmethods = ['path']\nseeds = 1\nmax_length = 4\n\
+                    budget = { spp = 1 }\nreference = { method = 'mitsuba:path', seconds = 1e-3 }\n";
+    let output = cached(&parts, &["compare", &folder.write("exp.toml", manifest)]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let written = fs::read_to_string(folder.path("exp/experiment.toml")).unwrap();
+    assert!(written.contains("mitsuba:path, 400 spp in"), "{written}");
+}
+
 #[test]
 fn what_no_reference_can_be_is_told() {
     let folder = Folder::new();
@@ -69,34 +191,14 @@ fn what_no_reference_can_be_is_told() {
         (&["reference", "cornell_box", "--method", "pth", "--add", "1s"], "did you mean 'path'"),
         (&["reference", "cornell_box", "-o", &folder.path("none.exr")], "there is no reference by bdpt"),
         (&["reference", "cornell_box", "--method", "mitsuba:bdpt", "--add", "1s"], "mitsuba:path"),
+        (&["reference", "cornell_box", "--error", "0.5"], "0.5%"),
+        (&["reference", "cornell_box", "--add", "1s", "--spp", "4"], "cannot be used with"),
+        (&["reference", "cornell_box", "-o", &folder.path("none.png")], ".exr"),
     ] {
         let output = cached(&cache, args);
         assert_eq!(output.status.code(), Some(2), "{args:?}: {}", stderr(&output));
         assert!(stderr(&output).contains(part), "{args:?}: {}", stderr(&output));
     }
-}
-
-/// Runs are passes, and more samples make more of them.
-#[test]
-fn mitsuba_makes_references_too() {
-    let folder = Folder::new();
-    let cache = folder.path("cache");
-    if !workspace().join(".venv/bin/python").exists() {
-        println!("skipped: there is no .venv with Mitsuba; run scripts/setup");
-        return;
-    }
-    let film = ["--film", "16x16"];
-    for (method, spp, shown) in [("mitsuba:path", "100", "128"), ("mitsuba:path", "130", "192"), ("path", "20", "20")] {
-        let args = [&["reference", "cornell_box", "--method", method, "--spp", spp][..], &film].concat();
-        let output = cached(&cache, &args);
-        assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-        let text = stdout(&output);
-        let line = text.lines().find(|line| line.trim_start().starts_with(method)).unwrap();
-        assert_eq!(line.split_whitespace().nth(1), Some(shown), "{text}");
-        assert!(line.ends_with('%'), "{text}");
-    }
-    let listed = stdout(&cached(&cache, &[&["reference", "cornell_box"][..], &film].concat()));
-    assert!(listed.contains("mitsuba:path and path: too few"), "{listed}");
 }
 
 #[test]
