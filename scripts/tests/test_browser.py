@@ -104,6 +104,17 @@ def test_plots_follow_the_choice_of_metric_and_axis(browser: webdriver.Chrome) -
     assert [plot["y"] for plot in plots()] == ["RMSE"]
 
 
+def test_verdicts_follow_the_choice_of_metric(browser: webdriver.Chrome) -> None:
+    metric = Select(find(browser, "#metric"))
+    rows = browser.find_elements(By.CSS_SELECTOR, 'table[data-table="Verdicts"] tbody tr')
+    metric.select_by_value("rmse")
+    assert rows
+    assert all(row.is_displayed() for row in rows)
+    metric.select_by_value("mse")
+    assert not any(row.is_displayed() for row in rows)
+    metric.select_by_value("rmse")
+
+
 def test_hover_tells_the_value_and_its_interval(browser: webdriver.Chrome, folder: Path) -> None:
     browser.execute_script(
         "const plot = document.querySelector('.plot'); plot.scrollIntoView();"

@@ -13,9 +13,21 @@
     }
   }
 
-  metric.onchange = axis.onchange = plots;
+  /** Verdicts by other metrics than the chosen one are folded away. */
+  function verdicts() {
+    for (const cell of document.querySelectorAll('td[data-column="metric"]')) {
+      cell.parentElement.hidden = Boolean(metric.value) && cell.textContent !== metric.value;
+    }
+  }
+
+  metric.onchange = () => {
+    plots();
+    verdicts();
+  };
+  axis.onchange = plots;
   axis.value = innerWidth > 1100 ? "both" : "seconds";
   plots();
+  verdicts();
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", plots);
   addEventListener("beforeprint", plots);
   addEventListener("afterprint", plots);

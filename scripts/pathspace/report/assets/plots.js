@@ -83,7 +83,15 @@ const Plots = (() => {
     if (level > 0.1 * lowest) data.push(floor(level, data));
     const dark = matchMedia("(prefers-color-scheme: dark)").matches && !matchMedia("print").matches;
     const [text, line] = dark ? ["#e8e8e8", "#3c3c3c"] : ["#1b1b1b", "#e2e2e2"];
-    const axisLook = { type: "log", gridcolor: line, zeroline: false, dtick: "D2", automargin: true, exponentformat: "power" };
+    const axisLook = (values) => ({
+      type: "log",
+      gridcolor: line,
+      zeroline: false,
+      // Three ticks to a decade, as long as there is room for them.
+      dtick: Math.max(...values) / Math.min(...values) > 1e3 ? 1 : "D2",
+      automargin: true,
+      exponentformat: "power",
+    });
     const layout = {
       margin: { l: 62, r: 12, t: 8, b: 48 },
       paper_bgcolor: "rgba(0,0,0,0)",
@@ -92,8 +100,8 @@ const Plots = (() => {
       hovermode: "closest",
       legend: { orientation: "h", y: -0.2 },
       modebar: { bgcolor: "rgba(0,0,0,0)", color: "#999", activecolor: text },
-      xaxis: { ...axisLook, title: { text: AXES[axis] } },
-      yaxis: { ...axisLook, title: { text: escaped(label) } },
+      xaxis: { ...axisLook(data.flatMap((trace) => trace.x)), title: { text: AXES[axis] } },
+      yaxis: { ...axisLook(data.flatMap((trace) => trace.y)), title: { text: escaped(label) } },
     };
     return Plotly.react(place, data, layout, OPTIONS);
   }
