@@ -33,7 +33,7 @@ Exit codes:
   0    done (values that cannot be right are counted and told on stderr, and do not change the code)
   1    a scene, film or file cannot be used: one line `error: FILE: place: what; remedy` on stderr
   2    the command line makes no sense: unknown option, integrator or setting
-  3    compare, reference: two methods estimate different images, told after everything is written
+  3    compare, reference: a method estimates another image, told after everything is written
   130  interrupted by Ctrl-C or SIGTERM after what was finished has been written";
 
 /// Path-space light transport: renders glTF scenes and says how certain each image is.

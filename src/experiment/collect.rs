@@ -36,10 +36,15 @@ pub struct Report {
 }
 
 impl Report {
-    /// Two methods estimate different images, or one misses the reference.
+    /// A method of this program misses the reference, or what Mitsuba renders. That Mitsuba's own methods miss the reference, as
+    /// their single precision makes them do in long runs (`scenes/hidden_lamps/README.md`), is told and no more.
     #[must_use]
     pub fn differs(&self) -> bool {
-        self.agreement.iter().any(AgreementRow::differs)
+        let is_mitsubas = |row: &AgreementRow| {
+            let method = self.manifest.methods.iter().find(|method| method.label() == row.method);
+            method.is_some_and(|method| method.text().starts_with(MITSUBA))
+        };
+        self.agreement.iter().any(|row| row.differs() && !is_mitsubas(row))
     }
 
     /// The scenes, with what was skipped.
