@@ -37,7 +37,7 @@ pub struct Report {
 
 impl Report {
     /// A method of this program misses the reference, or what Mitsuba renders. That Mitsuba's own methods miss the reference, as
-    /// their single precision makes them do in long runs (`scenes/hidden_lamps/README.md`), is told and no more.
+    /// some do in long runs (`scenes/hidden_lamps/README.md`), is told and no more.
     #[must_use]
     pub fn differs(&self) -> bool {
         let is_mitsubas = |row: &AgreementRow| {

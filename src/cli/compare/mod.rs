@@ -42,7 +42,7 @@ DIR/experiment.toml is one, too, so it repeats the experiment.
 
 Every run has a seed of its own, so that methods are independent. Exit code 3: a method estimates another image (DIFFER) than the
 reference or Mitsuba. Before speed is compared, that has to be understood. Where only Mitsuba's own methods miss the reference,
-which single precision makes them do by some 0.1 % in long runs, it is told, and the exit code is 0.
+as ptracer does by some 0.1 % in long runs, it is told, and the exit code is 0.
 
 Examples:
   pathspace compare cornell_box veach_mis --seconds 30 --seeds 4 -o results/two
