@@ -51,6 +51,13 @@ impl Frame {
         }
     }
 
+    /// A frame around the unit vector `normal` whose x axis follows `tangent` as far as it is at right angles to the normal.
+    #[must_use]
+    pub fn along(normal: DVec3, tangent: DVec3) -> Self {
+        let Some(x) = (tangent - normal * normal.dot(tangent)).try_normalize() else { return Self::around(normal) };
+        Self { x, y: normal.cross(x), z: normal }
+    }
+
     /// World coordinates of a vector given in this frame.
     #[must_use]
     #[inline]

@@ -1,21 +1,25 @@
 //! From a description to a scene: centring, rounding, choosing what is sampled, and refusing what makes no sense.
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::geometry::Bounds;
 
 use super::accel::{Accel, SphereShape, Triangle};
-use super::bsdf::{Bsdf, MaterialError};
-use super::description::{FilmSize, LightKind, Material, Projection, SensorDescription};
+use super::bsdf::{Composite, MaterialError};
+use super::description::{FilmSize, LightKind, Material, Mesh, Projection, SensorDescription};
 use super::discrete::Discrete;
 use super::emitter::{Directional, Emitter, EmitterId, Environment, MeshEmitter, Point, SphereEmitter, Spot};
+use super::mapping::Mapping;
+use super::material::SurfaceMaterial;
 use super::sensor::Sensor;
-use super::{MaterialId, Names, Scene, SceneDescription, Shape, SurfaceMaterial};
+use super::texture::Texture;
+use super::{MaterialId, Names, Scene, SceneDescription, Shape};
 
 /// What a user may decide about a scene beyond its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -91,7 +95,8 @@ impl Builder<'_> {
         let everything = self.everything(geometry, &camera);
         let centre = everything.centre();
         let sensor = Sensor::new(&camera, film, centre);
-        let (accel, normals) = self.geometry(centre, everything.radius());
+        let (accel, normals, order) = self.geometry(centre, everything.radius());
+        let mapping = self.mapping(&order, &materials);
         let mut shapes = self.shapes();
         let reach = self.reach(geometry, &sensor, centre);
         let emitters = self.emitters(&accel, &mut shapes, centre, reach)?;
@@ -108,6 +113,7 @@ impl Builder<'_> {
             centre,
             accel,
             normals,
+            mapping,
             shapes,
             materials,
             emitters,
@@ -128,12 +134,12 @@ impl Builder<'_> {
 
     fn material(&self, material: &Material) -> Result<SurfaceMaterial, BuildError> {
         let place = || format!("material '{}'", material.name);
-        let bsdf = Bsdf::new(&material.bsdf).map_err(|e: MaterialError| self.invalid(&place(), &e.to_string()))?;
+        let model =
+            Composite::new(&material.bsdf).map_err(|e: MaterialError| self.invalid(&place(), &e.to_string()))?;
         if material.emission.to_array().iter().any(|c| !(0.0..f64::INFINITY).contains(c)) {
             return Err(self.invalid(&place(), "the emission must be finite and not negative"));
         }
-        let transmits = bsdf.transmits();
-        Ok(SurfaceMaterial { bsdf, two_sided: material.two_sided && !transmits, transmits })
+        Ok(SurfaceMaterial::new(model, material.two_sided))
     }
 
     /// Everything that rays start from or end at, at finite distance.
@@ -182,7 +188,7 @@ impl Builder<'_> {
         }
     }
 
-    fn geometry(&self, centre: DVec3, radius: f64) -> (Accel, Vec<[Vec3; 3]>) {
+    fn geometry(&self, centre: DVec3, radius: f64) -> (Accel, Vec<[Vec3; 3]>, Vec<Option<u32>>) {
         let smooth = self.description.meshes.iter().any(|m| m.normals.is_some());
         let mut triangles = Vec::new();
         let mut normals = Vec::new();
@@ -206,7 +212,48 @@ impl Builder<'_> {
             true => order.iter().map(|i| i.map_or(unused, |i| normals[i as usize])).collect(),
             false => Vec::new(),
         };
-        (accel, normals)
+        (accel, normals, order)
+    }
+
+    /// What the materials ask of the meshes' triangles, in the order of their ids.
+    fn mapping(&self, order: &[Option<u32>], materials: &[SurfaceMaterial]) -> Mapping {
+        let asks = |mesh: &Mesh| materials[mesh.material].varies();
+        if !self.description.meshes.iter().any(asks) {
+            return Mapping::default();
+        }
+        let none = [Vec2::NAN; 3];
+        let corners = |mesh: &Mesh, triangle: usize| {
+            mesh.texcoords.as_ref().map_or(none, |all| mesh.triangles[triangle].map(|i| all[i as usize]))
+        };
+        let texcoords =
+            self.by_id(order, none, |mesh, triangle| if asks(mesh) { corners(mesh, triangle) } else { none });
+        let mut names = BTreeSet::new();
+        for material in &self.description.materials {
+            material.bsdf.visit_textures(&mut |texture| {
+                if let Texture::Attribute { name } = texture {
+                    names.insert(name.clone());
+                }
+            });
+        }
+        let table = |name: &String| {
+            let missing = [[0.0, 0.0, 0.0, 1.0]; 3];
+            self.by_id(order, missing, |mesh, triangle| {
+                let attribute = mesh.attributes.iter().find(|attribute| attribute.name == *name);
+                attribute.map_or(missing, |attribute| attribute.corners(triangle, mesh.triangles[triangle]))
+            })
+        };
+        let attributes = names.iter().map(|name| (name.clone(), table(name))).collect();
+        Mapping { texcoords, attributes }
+    }
+
+    /// A value for each triangle's id; `unused` where no triangle has it.
+    fn by_id<T: Copy>(&self, order: &[Option<u32>], unused: T, value: impl Fn(&Mesh, usize) -> T) -> Vec<T> {
+        let meshes = &self.description.meshes;
+        let in_order: Vec<T> = meshes
+            .iter()
+            .flat_map(|mesh| (0..mesh.triangles.len()).map(|i| value(mesh, i)).collect::<Vec<_>>())
+            .collect();
+        order.iter().map(|i| i.map_or(unused, |i| in_order[i as usize])).collect()
     }
 
     fn shapes(&self) -> Vec<Shape> {

@@ -4,11 +4,13 @@
 //! only they can name (a place in the file); [`Scene::build`](super::Scene::build) checks the rest.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 use serde::{Deserialize, Serialize};
 
 use super::meter::NamedMeter;
+use super::texture::{Parameter, Texture};
 use crate::spectrum::Rgb;
 
 /// A whole scene as its file describes it.
@@ -51,10 +53,47 @@ pub struct Mesh {
     pub positions: Vec<DVec3>,
     /// Unit shading normals, one per vertex, where the file has them.
     pub normals: Option<Vec<DVec3>>,
+    /// Texture coordinates, one per vertex, where the file has them.
+    pub texcoords: Option<Vec<Vec2>>,
+    /// What else the file says of vertices or faces, for textures.
+    pub attributes: Vec<Attribute>,
     /// Vertex indices, counter-clockwise seen from the front.
     pub triangles: Vec<[u32; 3]>,
     /// Index into [`SceneDescription::materials`].
     pub material: usize,
+}
+
+/// Values that a mesh has at its vertices or faces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// What textures call it.
+    pub name: String,
+    /// One for each triangle rather than for each vertex.
+    pub per_face: bool,
+    /// Numbers in a value: 1, 3 or 4.
+    pub channels: usize,
+    /// The values, one after the other.
+    pub values: Vec<f32>,
+}
+
+impl Attribute {
+    /// Of a vertex, or of a triangle.
+    #[must_use]
+    pub fn value(&self, index: usize) -> &[f32] {
+        &self.values[index * self.channels..][..self.channels]
+    }
+
+    /// At the corners of a triangle: linear RGB and opacity; what has one channel is grey.
+    #[must_use]
+    pub fn corners(&self, triangle: usize, vertices: [u32; 3]) -> [[f32; 4]; 3] {
+        let at = |index: usize| match *self.value(index) {
+            [x] => [x, x, x, 1.0],
+            [r, g, b] => [r, g, b, 1.0],
+            [r, g, b, a] => [r, g, b, a],
+            _ => [0.0, 0.0, 0.0, 1.0],
+        };
+        if self.per_face { [at(triangle); 3] } else { vertices.map(|i| at(i as usize)) }
+    }
 }
 
 /// An analytic sphere; its front is the outside.
@@ -91,14 +130,14 @@ impl Material {
     }
 }
 
-/// The models of scattering that a file can name; in glTF the material's `extras.pathspace.bsdf`.
+/// How a surface scatters; in glTF the material's `extras.pathspace.bsdf` says those without a texture.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum BsdfDescription {
     /// Lambert's: `f_s = reflectance / π`.
     Diffuse {
         /// Share of the flux that is reflected, 0 … 1.
-        reflectance: Rgb,
+        reflectance: Parameter<Rgb>,
     },
     /// Smooth metal or mirror.
     Conductor {
@@ -108,7 +147,7 @@ pub enum BsdfDescription {
     /// Rough metal: GGX microfacets, single scattering.
     RoughConductor {
         /// GGX roughness α, above 0.
-        alpha: f64,
+        alpha: Parameter<f64>,
         /// What reflects how much.
         fresnel: ConductorFresnel,
     },
@@ -123,12 +162,66 @@ pub enum BsdfDescription {
     /// Rough glass: GGX microfacets, single scattering (Walter et al. 2007).
     RoughDielectric {
         /// GGX roughness α, above 0.
-        alpha: f64,
+        alpha: Parameter<f64>,
         /// Index of refraction of the inside.
         interior_ior: f64,
         /// Index of refraction of the outside.
         #[serde(default = "one")]
         exterior_ior: f64,
+    },
+    /// Light goes straight through: there is no surface but in the count of edges.
+    Null,
+    /// One model for each side. Neither transmits.
+    TwoSided {
+        /// On the side that the normal points to.
+        front: Box<BsdfDescription>,
+        /// On the other, as if the normal pointed there.
+        back: Box<BsdfDescription>,
+    },
+    /// The nested model by `opacity`, straight through by the rest.
+    Mask {
+        /// Share of the nested model, 0 … 1.
+        opacity: Parameter<f64>,
+        /// The nested model.
+        nested: Box<BsdfDescription>,
+    },
+    /// `(1 − weight) first + weight second`.
+    Blend {
+        /// Share of the second model, 0 … 1.
+        weight: Parameter<f64>,
+        /// The model at weight 0.
+        first: Box<BsdfDescription>,
+        /// The model at weight 1.
+        second: Box<BsdfDescription>,
+    },
+    /// The nested model under a turned normal.
+    #[serde(skip)]
+    Perturbed {
+        /// What turns it.
+        normal: NormalSource,
+        /// The nested model.
+        nested: Box<BsdfDescription>,
+    },
+}
+
+/// What turns the shading normal of a point.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NormalSource {
+    /// A normal map: `2 · rgb − 1` in the frame of the tangent along u, the tangent at right angles to it, and the normal.
+    Map {
+        /// The map.
+        texture: Arc<Texture>,
+        /// Factors of the first two coordinates.
+        scale: [f64; 2],
+        /// The second axis follows v where this is true (glTF, against v), and normal × first axis otherwise (Mitsuba).
+        against_v: bool,
+    },
+    /// A bump map: the surface displaced along its normal by a height \[m\] (Blinn 1978).
+    Bump {
+        /// The height.
+        texture: Arc<Texture>,
+        /// Its factor.
+        scale: f64,
     },
 }
 

@@ -8,11 +8,15 @@ pub mod discrete;
 pub mod emitter;
 pub mod error;
 pub mod gltf;
+mod mapping;
+mod material;
 pub mod meter;
 pub mod mitsuba;
 mod scatter;
 pub mod sensor;
 mod surfaces;
+pub mod texture;
+mod varying;
 
 use std::sync::OnceLock;
 
@@ -27,6 +31,8 @@ use bsdf::Bsdf;
 use description::{Reference, RenderHints};
 use discrete::Discrete;
 use emitter::Emitter;
+use mapping::Mapping;
+use material::{Scattering, SurfaceMaterial};
 use sensor::Sensor;
 
 pub use accel::PrimitiveId;
@@ -50,6 +56,7 @@ pub struct Scene {
     accel: Accel,
     /// Shading normals of the triangles' corners, by triangle; empty where no mesh has any.
     normals: Vec<[Vec3; 3]>,
+    mapping: Mapping,
     shapes: Vec<Shape>,
     materials: Vec<SurfaceMaterial>,
     emitters: Vec<Emitter>,
@@ -75,14 +82,6 @@ struct Names {
 struct Shape {
     material: MaterialId,
     emitter: Option<EmitterId>,
-}
-
-/// How a surface scatters, and on which sides.
-#[derive(Clone, Debug)]
-struct SurfaceMaterial {
-    bsdf: Bsdf,
-    two_sided: bool,
-    transmits: bool,
 }
 
 impl Scene {
@@ -129,9 +128,13 @@ impl Scene {
         &self.accel
     }
 
-    /// The models of its materials, by the names of these.
+    /// The models of those of its materials that are the same everywhere, by the names of these.
     pub(crate) fn bsdfs(&self) -> impl Iterator<Item = (&str, &Bsdf)> {
-        self.names.materials.iter().map(String::as_str).zip(self.materials.iter().map(|material| &material.bsdf))
+        let named = self.names.materials.iter().map(String::as_str).zip(&self.materials);
+        named.filter_map(|(name, material)| match &material.scattering {
+            Scattering::Uniform(bsdf) => Some((name, bsdf)),
+            Scattering::Varying(_) => None,
+        })
     }
 
     /// All emitters, in the order of their ids; there is at least one.

@@ -11,8 +11,9 @@ use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::path::Vertex;
 use crate::spectrum::Rgb;
 
+use super::Scene;
 use super::bsdf::{LobeDensity, Side};
-use super::{Scene, SurfaceMaterial};
+use super::material::{Scattering, SurfaceMaterial};
 
 /// The next direction of a walk.
 #[derive(Clone, Copy, Debug)]
@@ -45,8 +46,8 @@ impl Scattered {
 }
 
 /// The normals as the arriving light sees them, both on its side.
-struct Sides {
-    shading: DVec3,
+pub(super) struct Sides {
+    pub(super) shading: DVec3,
     geometric: DVec3,
 }
 
@@ -61,15 +62,21 @@ impl Sides {
         (sides.agree(from) && (material.transmits || from.dot(sides.geometric) > 0.0)).then_some(sides)
     }
 
+    /// Of a model that tells the sides apart itself.
+    pub(super) fn as_they_are(vertex: &Vertex, from: DVec3) -> Option<Self> {
+        let sides = Self { shading: vertex.shading_normal, geometric: vertex.normal };
+        sides.agree(from).then_some(sides)
+    }
+
     /// Both normals have this direction on the same side.
     #[inline(always)]
-    fn agree(&self, direction: DVec3) -> bool {
+    pub(super) fn agree(&self, direction: DVec3) -> bool {
         direction.dot(self.shading) * direction.dot(self.geometric) > 0.0
     }
 
     /// `|ω·N_s| / |ω·N_g|`.
     #[inline(always)]
-    fn ratio(&self, direction: DVec3) -> f64 {
+    pub(super) fn ratio(&self, direction: DVec3) -> f64 {
         if self.shading == self.geometric {
             return 1.0;
         }
@@ -83,11 +90,14 @@ impl Scene {
     #[inline(always)]
     pub fn scatter(&self, vertex: &Vertex, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
         let material = self.material_of(vertex);
+        let Scattering::Uniform(bsdf) = &material.scattering else {
+            return self.varying_scatter(vertex, to_emitter, to_sensor);
+        };
         let Some(sides) = Sides::new(material, vertex, to_sensor).filter(|s| s.agree(to_emitter)) else {
             return Rgb::BLACK;
         };
         let frame = Frame::around(sides.shading);
-        let value = material.bsdf.eval(frame.to_local(to_emitter), frame.to_local(to_sensor));
+        let value = bsdf.eval(frame.to_local(to_emitter), frame.to_local(to_sensor));
         value * sides.ratio(to_emitter)
     }
 
@@ -96,22 +106,28 @@ impl Scene {
     #[inline(always)]
     pub fn scatter_density(&self, vertex: &Vertex, from: DVec3, to: DVec3) -> Density<SolidAngle> {
         let material = self.material_of(vertex);
+        let Scattering::Uniform(bsdf) = &material.scattering else {
+            return self.varying_density(vertex, from, to);
+        };
         let Some(sides) = Sides::new(material, vertex, from).filter(|s| s.agree(to)) else {
             return Density::ZERO;
         };
         let frame = Frame::around(sides.shading);
-        material.bsdf.density(frame.to_local(from), frame.to_local(to))
+        bsdf.density(frame.to_local(from), frame.to_local(to))
     }
 
     /// The coefficient of `δ_σ⊥` in `f̄_s` for a pair of directions joined by a Dirac lobe. Shading normals leave it as it is.
     #[must_use]
     pub fn scatter_dirac(&self, vertex: &Vertex, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
         let material = self.material_of(vertex);
+        let Scattering::Uniform(bsdf) = &material.scattering else {
+            return self.varying_dirac(vertex, to_emitter, to_sensor);
+        };
         let Some(sides) = Sides::new(material, vertex, to_sensor).filter(|s| s.agree(to_emitter)) else {
             return Rgb::BLACK;
         };
         let frame = Frame::around(sides.shading);
-        material.bsdf.eval_dirac(frame.to_local(to_emitter), frame.to_local(to_sensor))
+        bsdf.eval_dirac(frame.to_local(to_emitter), frame.to_local(to_sensor))
     }
 
     /// The counterpart of [`scatter_density`](Self::scatter_density) for Dirac lobes, as [`LobeDensity::Dirac`] has it.
@@ -124,11 +140,14 @@ impl Scene {
         to: DVec3,
     ) -> Density<ProjectedSolidAngle> {
         let material = self.material_of(vertex);
+        let Scattering::Uniform(bsdf) = &material.scattering else {
+            return self.varying_dirac_density(vertex, side, from, to);
+        };
         let Some(sides) = Sides::new(material, vertex, from).filter(|s| s.agree(to)) else {
             return Density::ZERO;
         };
         let frame = Frame::around(sides.shading);
-        let density = material.bsdf.density_dirac(side, frame.to_local(from), frame.to_local(to));
+        let density = bsdf.density_dirac(side, frame.to_local(from), frame.to_local(to));
         density * dirac_ratio(&sides, side, from, to)
     }
 
@@ -137,9 +156,12 @@ impl Scene {
     #[inline(always)]
     pub fn sample_scatter(&self, vertex: &Vertex, side: Side, from: DVec3, u: [f64; 3]) -> Option<Scattered> {
         let material = self.material_of(vertex);
+        let Scattering::Uniform(bsdf) = &material.scattering else {
+            return self.sample_varying(vertex, side, from, u);
+        };
         let sides = Sides::new(material, vertex, from)?;
         let frame = Frame::around(sides.shading);
-        let sample = material.bsdf.sample(side, frame.to_local(from), u)?;
+        let sample = bsdf.sample(side, frame.to_local(from), u)?;
         let to = frame.to_world(sample.to);
         if !sides.agree(to) || (!material.transmits && to.dot(sides.geometric) <= 0.0) {
             return None;
@@ -161,7 +183,18 @@ impl Scene {
     #[inline]
     pub fn radiance_scale(&self, vertex: &Vertex, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
         let material = self.material_of(vertex);
-        if material.transmits { refraction_scale(material, vertex.shading_normal, to_emitter, to_sensor) } else { 1.0 }
+        if material.transmits { self.refraction_scale(vertex, to_emitter, to_sensor) } else { 1.0 }
+    }
+
+    #[inline(never)]
+    fn refraction_scale(&self, vertex: &Vertex, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
+        match &self.material_of(vertex).scattering {
+            Scattering::Uniform(bsdf) => {
+                let frame = Frame::around(vertex.shading_normal);
+                bsdf.radiance_scale(frame.to_local(to_emitter), frame.to_local(to_sensor))
+            }
+            Scattering::Varying(_) => self.varying_scale(vertex, to_emitter, to_sensor),
+        }
     }
 
     /// Light passes through the surface at this vertex.
@@ -170,36 +203,30 @@ impl Scene {
         self.material_of(vertex).transmits
     }
 
-    /// Some surface scatters by Dirac lobes alone: a mirror, smooth glass.
+    /// Some surface has Dirac lobes: a mirror, smooth glass, a smooth coat.
     #[must_use]
     pub fn has_dirac_surfaces(&self) -> bool {
-        self.materials.iter().any(|material| !material.bsdf.has_finite())
+        self.materials.iter().any(|material| material.scattering.has_dirac())
     }
 
     /// A connection to this vertex can succeed: it scatters by finite lobes too.
     #[must_use]
     #[inline]
     pub fn has_finite(&self, vertex: &Vertex) -> bool {
-        self.material_of(vertex).bsdf.has_finite()
+        self.material_of(vertex).scattering.has_finite()
     }
 
     /// Its finite lobes are glossy rather than diffuse, as [`BsdfModel::is_glossy`](super::bsdf::BsdfModel::is_glossy) has
     /// it; false where there is no surface.
     #[must_use]
     pub fn is_glossy(&self, vertex: &Vertex) -> bool {
-        vertex.scatters() && self.material_of(vertex).bsdf.is_glossy()
+        vertex.scatters() && self.material_of(vertex).scattering.is_glossy()
     }
-}
-
-#[inline(never)]
-fn refraction_scale(material: &SurfaceMaterial, normal: DVec3, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
-    let frame = Frame::around(normal);
-    material.bsdf.radiance_scale(frame.to_local(to_emitter), frame.to_local(to_sensor))
 }
 
 /// What shading normals do to the Dirac density of a walk from the emitter: the mirror of the shading normal preserves
 /// `|cos θ_s| dσ` (up to η²), while the path counts in `|cos θ_g| dσ` on the emitter's side.
-fn dirac_ratio(sides: &Sides, side: Side, from: DVec3, to: DVec3) -> f64 {
+pub(super) fn dirac_ratio(sides: &Sides, side: Side, from: DVec3, to: DVec3) -> f64 {
     match side {
         Side::Sensor => 1.0,
         Side::Emitter => sides.ratio(to) / sides.ratio(from),

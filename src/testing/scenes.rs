@@ -1,6 +1,6 @@
 //! Small scenes with known answers, and some that have a bit of everything.
 
-use glam::DVec3;
+use glam::{DVec3, Vec2};
 
 use crate::scene::description::{
     BsdfDescription, ConductorFresnel, FilmSize, Lens, Light, LightKind, Material, Mesh, Projection, SensorDescription,
@@ -15,9 +15,10 @@ pub fn rectangle(name: &str, origin: DVec3, u: DVec3, v: DVec3, material: usize)
     Mesh {
         name: name.into(),
         positions: vec![origin, origin + u, origin + u + v, origin + v],
-        normals: None,
+        texcoords: Some(vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y]),
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         material,
+        ..Mesh::default()
     }
 }
 
@@ -34,9 +35,9 @@ pub fn cuboid(name: &str, min: DVec3, max: DVec3, inwards: bool, material: usize
     Mesh {
         name: name.into(),
         positions: (0..8).map(corner).collect(),
-        normals: None,
         triangles: triangles.map(turned).collect(),
         material,
+        ..Mesh::default()
     }
 }
 
@@ -49,7 +50,7 @@ pub fn material(name: &str, bsdf: BsdfDescription, emission: Rgb) -> Material {
 /// A one-sided diffuse material.
 #[must_use]
 pub fn diffuse(name: &str, reflectance: Rgb, emission: Rgb) -> Material {
-    material(name, BsdfDescription::Diffuse { reflectance }, emission)
+    material(name, BsdfDescription::Diffuse { reflectance: reflectance.into() }, emission)
 }
 
 /// A pinhole camera at `position` that looks at `target`.
@@ -196,12 +197,12 @@ pub fn cabinet(film: FilmSize) -> SceneDescription {
     let tint = ConductorFresnel::Tint { specular_tint: Rgb::new(0.9, 0.8, 0.7) };
     let first = scene.materials.len();
     scene.materials.extend([
-        material("rough metal", BsdfDescription::RoughConductor { alpha: 0.2, fresnel: metal }, Rgb::BLACK),
+        material("rough metal", BsdfDescription::RoughConductor { alpha: 0.2.into(), fresnel: metal }, Rgb::BLACK),
         material("mirror", BsdfDescription::Conductor { fresnel: tint }, Rgb::BLACK),
         material("glass", BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 }, Rgb::BLACK),
         material(
             "rough glass",
-            BsdfDescription::RoughDielectric { alpha: 0.3, interior_ior: 1.4, exterior_ior: 1.0 },
+            BsdfDescription::RoughDielectric { alpha: 0.3.into(), interior_ior: 1.4, exterior_ior: 1.0 },
             Rgb::BLACK,
         ),
         diffuse("bulb", Rgb::grey(0.2), Rgb::new(3.0, 5.0, 9.0)),

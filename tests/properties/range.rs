@@ -50,7 +50,7 @@ fn nearly_specular_paths_equal_the_definition() {
     for material in &mut description.materials {
         match &mut material.bsdf {
             BsdfDescription::RoughConductor { alpha, .. } | BsdfDescription::RoughDielectric { alpha, .. } => {
-                *alpha = 1e-6;
+                *alpha = 1e-6.into();
             }
             _ => {}
         }

@@ -24,7 +24,8 @@ fn cabinet(alpha: Option<f64>) -> (Scene, u32) {
     if let (Some(alpha), BsdfDescription::Dielectric { interior_ior, exterior_ior }) =
         (alpha, description.materials[glass].bsdf.clone())
     {
-        description.materials[glass].bsdf = BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior };
+        description.materials[glass].bsdf =
+            BsdfDescription::RoughDielectric { alpha: alpha.into(), interior_ior, exterior_ior };
     }
     (scenes::build(&description), glass as u32)
 }

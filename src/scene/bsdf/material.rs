@@ -5,6 +5,7 @@ use thiserror::Error;
 use super::fresnel::Interface;
 use super::{Bsdf, Conductor, Dielectric, Diffuse, Ggx, RoughConductor, RoughDielectric};
 use crate::scene::description::{BsdfDescription, ConductorFresnel};
+use crate::scene::texture::{Parameter, SurfacePoint, clamped};
 use crate::spectrum::Rgb;
 
 /// A material's parameter that no model can use. The message says which and what would be right, not where: the caller
@@ -43,6 +44,12 @@ pub enum MaterialError {
         /// What it is a model of.
         substance: &'static str,
     },
+    /// A composite where a single model is needed.
+    #[error("a composite (two-sided, mask, blend, null, normal or bump map) cannot stand here")]
+    Composite,
+    /// A composite of what cannot be composed.
+    #[error("{0}")]
+    Composition(&'static str),
 }
 
 const ALPHA_RANGE: &str = "1e-8 … 10";
@@ -51,43 +58,124 @@ const INDEX_RANGE: &str = "0.01 … 100";
 /// Below this width `α |η − 1|` of the refracted lobe, directions in double precision hold less than four of its digits.
 const NARROWEST_REFRACTION: f64 = 1e-12;
 
-impl Bsdf {
-    /// The model that a file describes.
-    ///
-    /// A rough dielectric whose refracted lobe is narrower than double precision can resolve, `α |η − 1| < 1e-12`, becomes
-    /// a smooth one; with equal indices on both sides that is light going straight through.
-    ///
-    /// # Errors
-    /// The first parameter that is out of its range or not a number.
-    pub fn new(description: &BsdfDescription) -> Result<Self, MaterialError> {
-        Ok(match description {
-            BsdfDescription::Diffuse { reflectance } => {
-                Self::Diffuse(Diffuse { reflectance: share("reflectance", *reflectance)? })
-            }
-            BsdfDescription::Conductor { fresnel } => Self::Conductor(Conductor { fresnel: checked_fresnel(fresnel)? }),
-            BsdfDescription::RoughConductor { alpha, fresnel } => Self::RoughConductor(RoughConductor {
-                distribution: ggx(*alpha, "conductor", "a smooth metal")?,
-                fresnel: checked_fresnel(fresnel)?,
-            }),
-            BsdfDescription::Dielectric { interior_ior, exterior_ior } => {
-                Self::Dielectric(Dielectric { interface: interface(*interior_ior, *exterior_ior)? })
-            }
-            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior } => {
-                let distribution = ggx(*alpha, "dielectric", "smooth glass")?;
-                let interface = interface(*interior_ior, *exterior_ior)?;
-                if alpha * interface.contrast().abs() < NARROWEST_REFRACTION {
-                    Self::Dielectric(Dielectric { interface })
-                } else {
-                    Self::RoughDielectric(RoughDielectric { distribution, interface })
-                }
-            }
+/// Where a model's parameters come from: a file, which may be wrong, or the textures at a point, which are clamped.
+trait Source {
+    fn share(&mut self, parameter: &'static str, of: &Parameter<Rgb>) -> Rgb;
+    fn alpha(&mut self, of: &Parameter<f64>, smooth: &'static str, substance: &'static str) -> f64;
+    fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface;
+    fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel;
+}
+
+/// Constants as they stand; textures count as their middle. Remembers the first fault.
+struct Checked {
+    fault: Option<MaterialError>,
+}
+
+impl Checked {
+    fn take<T>(&mut self, result: Result<T, MaterialError>, otherwise: T) -> T {
+        result.unwrap_or_else(|fault| {
+            self.fault.get_or_insert(fault);
+            otherwise
         })
     }
 }
 
-fn ggx(alpha: f64, smooth: &'static str, substance: &'static str) -> Result<Ggx, MaterialError> {
+impl Source for Checked {
+    fn share(&mut self, parameter: &'static str, of: &Parameter<Rgb>) -> Rgb {
+        let value = of.constant().copied().unwrap_or(Rgb::grey(0.5));
+        self.take(share(parameter, value), Rgb::BLACK)
+    }
+
+    fn alpha(&mut self, of: &Parameter<f64>, smooth: &'static str, substance: &'static str) -> f64 {
+        self.take(alpha(of.constant().copied().unwrap_or(0.5), smooth, substance), 1.0)
+    }
+
+    fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface {
+        self.take(interface(interior_ior, exterior_ior), Interface::new(1.0, 1.0))
+    }
+
+    fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel {
+        self.take(checked_fresnel(fresnel), ConductorFresnel::Tint { specular_tint: Rgb::BLACK })
+    }
+}
+
+impl Source for &SurfacePoint<'_> {
+    fn share(&mut self, _: &'static str, of: &Parameter<Rgb>) -> Rgb {
+        of.at(self).map(|x| clamped(x, 0.0, 1.0))
+    }
+
+    fn alpha(&mut self, of: &Parameter<f64>, _: &'static str, _: &'static str) -> f64 {
+        clamped(of.at(self), SMALLEST_TEXTURED_ALPHA, 10.0)
+    }
+
+    fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface {
+        Interface::new(interior_ior, exterior_ior)
+    }
+
+    fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel {
+        fresnel.clone()
+    }
+}
+
+/// What a texture of roughness is raised to: Mitsuba has the same limit.
+const SMALLEST_TEXTURED_ALPHA: f64 = 1e-4;
+
+impl Bsdf {
+    /// The model that a file describes, where it is the same all over the surface and no composite.
+    ///
+    /// A rough dielectric whose refracted lobe is narrower than double precision can resolve, `α |η − 1| < 1e-12`, becomes
+    /// a smooth one; with equal indices on both sides that is light going straight through. Where a parameter is a
+    /// texture, one of its values stands for it.
+    ///
+    /// # Errors
+    /// The first parameter that is out of its range or not a number.
+    pub fn new(description: &BsdfDescription) -> Result<Self, MaterialError> {
+        let mut source = Checked { fault: None };
+        let bsdf = Self::leaf(description, &mut source).ok_or(MaterialError::Composite);
+        source.fault.map_or(bsdf, Err)
+    }
+
+    /// The same at one point of a surface, with the values of its textures there, clamped to what the model can use. `None`
+    /// for composites.
+    #[must_use]
+    pub fn at(description: &BsdfDescription, mut at: &SurfacePoint<'_>) -> Option<Self> {
+        Self::leaf(description, &mut at)
+    }
+
+    fn leaf(description: &BsdfDescription, source: &mut impl Source) -> Option<Self> {
+        Some(match description {
+            BsdfDescription::Diffuse { reflectance } => {
+                Self::Diffuse(Diffuse { reflectance: source.share("reflectance", reflectance) })
+            }
+            BsdfDescription::Conductor { fresnel } => Self::Conductor(Conductor { fresnel: source.fresnel(fresnel) }),
+            BsdfDescription::RoughConductor { alpha, fresnel } => Self::RoughConductor(RoughConductor {
+                distribution: Ggx::new(source.alpha(alpha, "conductor", "a smooth metal")),
+                fresnel: source.fresnel(fresnel),
+            }),
+            BsdfDescription::Dielectric { interior_ior, exterior_ior } => {
+                Self::Dielectric(Dielectric { interface: source.interface(*interior_ior, *exterior_ior) })
+            }
+            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior } => {
+                let alpha = source.alpha(alpha, "dielectric", "smooth glass");
+                let interface = source.interface(*interior_ior, *exterior_ior);
+                if alpha * interface.contrast().abs() < NARROWEST_REFRACTION {
+                    Self::Dielectric(Dielectric { interface })
+                } else {
+                    Self::RoughDielectric(RoughDielectric { distribution: Ggx::new(alpha), interface })
+                }
+            }
+            BsdfDescription::Null
+            | BsdfDescription::TwoSided { .. }
+            | BsdfDescription::Mask { .. }
+            | BsdfDescription::Blend { .. }
+            | BsdfDescription::Perturbed { .. } => return None,
+        })
+    }
+}
+
+fn alpha(alpha: f64, smooth: &'static str, substance: &'static str) -> Result<f64, MaterialError> {
     if (1e-8..=10.0).contains(&alpha) {
-        Ok(Ggx::new(alpha))
+        Ok(alpha)
     } else if (0.0..1e-8).contains(&alpha) {
         Err(MaterialError::Smooth { value: alpha, smooth, substance })
     } else {
@@ -142,15 +230,19 @@ mod tests {
     fn what_no_model_can_use_is_refused_by_name() {
         let tint = ConductorFresnel::Tint { specular_tint: Rgb::WHITE };
         let ior = |eta, k| ConductorFresnel::Ior { eta: Rgb::grey(eta), k: Rgb::new(1.0, k, 1.0) };
-        let metal = |alpha| BsdfDescription::RoughConductor { alpha, fresnel: tint.clone() };
-        let glass = |alpha, interior_ior| BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior: 1.0 };
+        let metal = |alpha: f64| BsdfDescription::RoughConductor { alpha: alpha.into(), fresnel: tint.clone() };
+        let glass = |alpha: f64, interior_ior| BsdfDescription::RoughDielectric {
+            alpha: alpha.into(),
+            interior_ior,
+            exterior_ior: 1.0,
+        };
         for (description, expected) in [
             (
-                BsdfDescription::Diffuse { reflectance: Rgb::new(0.1, 1.5, 0.1) },
+                BsdfDescription::Diffuse { reflectance: Rgb::new(0.1, 1.5, 0.1).into() },
                 "reflectance = 1.5 in the green channel is outside 0 … 1",
             ),
             (
-                BsdfDescription::Diffuse { reflectance: Rgb::new(f64::NAN, 0.5, 0.1) },
+                BsdfDescription::Diffuse { reflectance: Rgb::new(f64::NAN, 0.5, 0.1).into() },
                 "reflectance = NaN in the red channel is outside 0 … 1",
             ),
             (metal(0.0), "alpha = 0 is outside 1e-8 … 10: use `conductor` for a smooth metal"),
@@ -174,7 +266,7 @@ mod tests {
 
     #[test]
     fn equal_indices_make_no_interface() {
-        let glass = BsdfDescription::RoughDielectric { alpha: 0.5, interior_ior: 1.3, exterior_ior: 1.3 };
+        let glass = BsdfDescription::RoughDielectric { alpha: 0.5.into(), interior_ior: 1.3, exterior_ior: 1.3 };
         let Ok(Bsdf::Dielectric(smooth)) = Bsdf::new(&glass) else { panic!("must become smooth") };
         assert_eq!(smooth.interface.fresnel(0.3).transmitted, 1.0);
         let from = DVec3::new(0.8, 0.0, 0.6);

@@ -4,12 +4,14 @@
 //! `to_sensor` where the roles matter, `from` (the walk's previous vertex) and `to` (its next) where only the walk does.
 //! Nothing here knows shading normals, sidedness or the measure of a path; `SurfacePoint` adds what those need.
 
+mod composite;
 mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
 mod material;
 mod microfacet;
+mod perturbed;
 mod rough_dielectric;
 #[cfg(test)]
 mod tests;
@@ -22,6 +24,7 @@ use glam::DVec3;
 use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::spectrum::Rgb;
 
+pub(crate) use composite::{Composite, CompositeAt};
 pub use conductor::{Conductor, RoughConductor};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
@@ -103,6 +106,16 @@ pub trait BsdfModel: Debug + Send + Sync {
     /// It has lobes with a finite density, so a connection to it can succeed.
     fn has_finite(&self) -> bool {
         true
+    }
+
+    /// It has Dirac lobes, too or alone.
+    fn has_dirac(&self) -> bool {
+        !self.has_finite()
+    }
+
+    /// It depends on the direction of the tangents, not only of the normal.
+    fn is_anisotropic(&self) -> bool {
+        false
     }
 
     /// Its finite lobes are glossy rather than diffuse: letter G, not D, in the notation of paths.
@@ -228,6 +241,18 @@ impl Bsdf {
     #[inline]
     pub fn has_finite(&self) -> bool {
         dispatch!(self, model => model.has_finite())
+    }
+
+    /// See [`BsdfModel::has_dirac`].
+    #[must_use]
+    pub fn has_dirac(&self) -> bool {
+        dispatch!(self, model => model.has_dirac())
+    }
+
+    /// See [`BsdfModel::is_anisotropic`].
+    #[must_use]
+    pub fn is_anisotropic(&self) -> bool {
+        dispatch!(self, model => model.is_anisotropic())
     }
 
     /// See [`BsdfModel::is_glossy`].

@@ -22,7 +22,7 @@ fn random_numbers(seed: u64) -> Xoshiro256PlusPlus {
 }
 
 fn diffuse() -> Bsdf {
-    Bsdf::new(&BsdfDescription::Diffuse { reflectance: Rgb::new(0.2, 0.5, 1.0) }).unwrap()
+    Bsdf::new(&BsdfDescription::Diffuse { reflectance: Rgb::new(0.2, 0.5, 1.0).into() }).unwrap()
 }
 
 /// Gold, about.
@@ -39,7 +39,7 @@ fn mirror(fresnel: ConductorFresnel) -> Bsdf {
 }
 
 fn metal(alpha: f64, fresnel: ConductorFresnel) -> Bsdf {
-    Bsdf::new(&BsdfDescription::RoughConductor { alpha, fresnel }).unwrap()
+    Bsdf::new(&BsdfDescription::RoughConductor { alpha: alpha.into(), fresnel }).unwrap()
 }
 
 fn glass(interior_ior: f64) -> Bsdf {
@@ -47,7 +47,7 @@ fn glass(interior_ior: f64) -> Bsdf {
 }
 
 fn rough_glass(alpha: f64, interior_ior: f64) -> Bsdf {
-    Bsdf::new(&BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior: 1.0 }).unwrap()
+    Bsdf::new(&BsdfDescription::RoughDielectric { alpha: alpha.into(), interior_ior, exterior_ior: 1.0 }).unwrap()
 }
 
 /// The unit vector with this cosine and azimuth.

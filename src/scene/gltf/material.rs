@@ -197,7 +197,7 @@ fn single_lobe(material: &exact::Material, here: &str) -> Result<(BsdfDescriptio
         let conductor = if smooth {
             BsdfDescription::Conductor { fresnel }
         } else {
-            BsdfDescription::RoughConductor { alpha, fresnel }
+            BsdfDescription::RoughConductor { alpha: alpha.into(), fresnel }
         };
         return Ok((conductor, exact));
     }
@@ -212,14 +212,14 @@ fn single_lobe(material: &exact::Material, here: &str) -> Result<(BsdfDescriptio
         let dielectric = if smooth {
             BsdfDescription::Dielectric { interior_ior, exterior_ior }
         } else {
-            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior }
+            BsdfDescription::RoughDielectric { alpha: alpha.into(), interior_ior, exterior_ior }
         };
         return Ok((dielectric, exact));
     }
     let specular = number(material, "KHR_materials_specular", "specularFactor", 1.0, here)?;
     let matt = roughness == 1.0 || ior == 1.0 || specular == 0.0;
     let exact = metallic == 0.0 && transmission == 0.0 && matt;
-    Ok((BsdfDescription::Diffuse { reflectance: colour }, exact))
+    Ok((BsdfDescription::Diffuse { reflectance: colour.into() }, exact))
 }
 
 fn textures(here: &str, slot: &str) -> Fault {

@@ -71,7 +71,7 @@ pub(super) fn read(
                 }
                 let material = materials.number(primitive.material, tally)?;
                 let surface::Surface { positions, normals, triangles } = surface;
-                meshes.push(Mesh { name, positions, normals, triangles, material });
+                meshes.push(Mesh { name, positions, normals, triangles, material, ..Mesh::default() });
             }
         }
     }

@@ -4,12 +4,11 @@ use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use super::error::ExportError;
+use super::material::Materials;
 use super::xml::Element;
 use super::{ply, sensor};
 use crate::geometry::Frame;
-use crate::scene::description::{
-    BsdfDescription, ConductorFresnel, FilmSize, Light, LightKind, Material, Mesh, SceneDescription, Sphere,
-};
+use crate::scene::description::{FilmSize, Light, LightKind, Mesh, SceneDescription, Sphere};
 use crate::spectrum::Rgb;
 
 /// What the XML file says beyond the scene. A run of Mitsuba may override the integrator and the number of samples.
@@ -47,16 +46,19 @@ pub fn export(scene: &SceneDescription, options: &ExportOptions, folder: &Path) 
         .integer("rr_depth", i64::from(options.rr_depth));
     let mut root =
         Element::new("scene").with("version", "3.0.0").child(integrator).child(sensor::sensor(scene, options)?);
+    let mut materials = Materials::new(scene);
     for (index, material) in scene.materials.iter().enumerate() {
-        root = root.child(bsdf(scene, material)?.with("id", material_id(index)));
+        root = root.child(materials.element(material)?.with("id", material_id(index)));
     }
 
     let meshes = scene.meshes.iter().enumerate().filter(|(_, mesh)| !mesh.triangles.is_empty());
     let files: Vec<_> = meshes.map(|(index, mesh)| (mesh_file(index, mesh), mesh)).collect();
     for (file, mesh) in &files {
         check_mesh(scene, mesh)?;
-        let shape =
-            Element::plugin("shape", "ply").string("filename", file).boolean("face_normals", mesh.normals.is_none());
+        let shape = Element::plugin("shape", "ply")
+            .string("filename", file)
+            .boolean("face_normals", mesh.normals.is_none())
+            .boolean("flip_tex_coords", false);
         root = root.child(with_material(scene, shape, mesh.material, &format!("mesh '{}'", mesh.name))?);
     }
     for sphere in &scene.spheres {
@@ -76,6 +78,7 @@ pub fn export(scene: &SceneDescription, options: &ExportOptions, folder: &Path) 
         let path = folder.join(file);
         ply::write(&path, mesh).map_err(ExportError::io(&path))?;
     }
+    materials.write_images(folder)?;
     let path = folder.join("scene.xml");
     let mut out = BufWriter::new(File::create(&path).map_err(ExportError::io(&path))?);
     root.write_document(&mut out).and_then(|()| out.flush()).map_err(ExportError::io(&path))?;
@@ -90,53 +93,6 @@ fn material_id(index: usize) -> String {
 fn mesh_file(index: usize, mesh: &Mesh) -> String {
     let name: String = mesh.name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).take(40).collect();
     format!("meshes/{index:04}_{name}.ply")
-}
-
-fn bsdf(scene: &SceneDescription, material: &Material) -> Result<Element, ExportError> {
-    let place = format!("material '{}'", material.name);
-    let (element, transmits) = match &material.bsdf {
-        BsdfDescription::Diffuse { reflectance } => {
-            check_share(scene, &place, *reflectance)?;
-            (Element::plugin("bsdf", "diffuse").rgb("reflectance", *reflectance), false)
-        }
-        BsdfDescription::Conductor { fresnel } => {
-            (conductor(scene, &place, Element::plugin("bsdf", "conductor"), fresnel)?, false)
-        }
-        BsdfDescription::RoughConductor { alpha, fresnel } => {
-            (conductor(scene, &place, rough("roughconductor", *alpha), fresnel)?, false)
-        }
-        BsdfDescription::Dielectric { interior_ior, exterior_ior } => {
-            (dielectric(Element::plugin("bsdf", "dielectric"), *interior_ior, *exterior_ior), true)
-        }
-        BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior } => {
-            (dielectric(rough("roughdielectric", *alpha), *interior_ior, *exterior_ior), true)
-        }
-    };
-    let wrap = material.two_sided && !transmits;
-    Ok(if wrap { Element::plugin("bsdf", "twosided").child(element) } else { element })
-}
-
-fn rough(plugin: &str, alpha: f64) -> Element {
-    Element::plugin("bsdf", plugin).string("distribution", "ggx").float("alpha", alpha)
-}
-
-fn conductor(
-    scene: &SceneDescription,
-    place: &str,
-    element: Element,
-    fresnel: &ConductorFresnel,
-) -> Result<Element, ExportError> {
-    match fresnel {
-        ConductorFresnel::Ior { eta, k } => Ok(element.rgb("eta", *eta).rgb("k", *k)),
-        ConductorFresnel::Tint { specular_tint } => {
-            check_share(scene, place, *specular_tint)?;
-            Ok(element.string("material", "none").rgb("specular_reflectance", *specular_tint))
-        }
-    }
-}
-
-fn dielectric(element: Element, interior_ior: f64, exterior_ior: f64) -> Element {
-    element.float("int_ior", interior_ior).float("ext_ior", exterior_ior)
 }
 
 fn sphere_shape(scene: &SceneDescription, sphere: &Sphere) -> Result<Element, ExportError> {
@@ -187,15 +143,6 @@ fn emitter(scene: &SceneDescription, light: &Light) -> Result<Element, ExportErr
     }
 }
 
-/// Mitsuba refuses a reflectance outside `[0, 1]`.
-fn check_share(scene: &SceneDescription, place: &str, value: Rgb) -> Result<(), ExportError> {
-    if value.to_array().iter().all(|channel| (0.0..=1.0).contains(channel)) {
-        return Ok(());
-    }
-    let what = format!("a reflectance outside [0, 1] ({:?})", value.to_array());
-    Err(ExportError::unsupported(&scene.name, place, what, "reduce it"))
-}
-
 fn check_power(scene: &SceneDescription, place: &str, value: Rgb) -> Result<(), ExportError> {
     if value.is_finite() && value.min_component() >= 0.0 {
         return Ok(());
@@ -208,6 +155,8 @@ fn check_mesh(scene: &SceneDescription, mesh: &Mesh) -> Result<(), ExportError> 
     let vertices = mesh.positions.len();
     let problem = if mesh.normals.as_ref().is_some_and(|normals| normals.len() != vertices) {
         "has another number of normals than of vertices; give one normal per vertex"
+    } else if mesh.texcoords.as_ref().is_some_and(|texcoords| texcoords.len() != vertices) {
+        "has another number of texture coordinates than of vertices; give one pair per vertex"
     } else if mesh.triangles.as_flattened().iter().any(|&index| index as usize >= vertices) {
         "has a triangle with a vertex that does not exist; correct its indices"
     } else if mesh.positions.iter().any(|position| !position.as_vec3().is_finite()) {

@@ -1,9 +1,11 @@
-//! The same scene for Mitsuba 3 (3.9.1): an XML file, and one binary PLY file per mesh.
+//! The same scene for Mitsuba 3 (3.9.1): an XML file, one binary PLY file per mesh, and the images of textures.
 
 mod error;
 mod export;
+mod material;
 mod ply;
 mod sensor;
+mod texture;
 mod xml;
 
 pub use error::ExportError;

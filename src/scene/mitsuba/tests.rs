@@ -95,16 +95,16 @@ fn material(bsdf: BsdfDescription, two_sided: bool) -> Material {
 }
 
 fn grey() -> Material {
-    material(BsdfDescription::Diffuse { reflectance: Rgb::grey(0.5) }, false)
+    material(BsdfDescription::Diffuse { reflectance: Rgb::grey(0.5).into() }, false)
 }
 
 fn triangle() -> Mesh {
     Mesh {
         name: "a<b>&\"../c".into(),
         positions: vec![DVec3::ZERO, DVec3::new(0.1, 0.0, 0.0), DVec3::new(0.0, 0.3, 1e-3)],
-        normals: None,
         triangles: vec![[0, 1, 2]],
         material: 0,
+        ..Mesh::default()
     }
 }
 
@@ -182,10 +182,10 @@ fn meshes_are_flat_exactly_where_they_have_no_normals() {
 #[test]
 fn opaque_two_sided_materials_are_wrapped_and_glass_is_not() {
     let fresnel = ConductorFresnel::Tint { specular_tint: Rgb::grey(0.9) };
-    let glass = BsdfDescription::RoughDielectric { alpha: 0.1, interior_ior: 1.5, exterior_ior: 1.0 };
+    let glass = BsdfDescription::RoughDielectric { alpha: 0.1.into(), interior_ior: 1.5, exterior_ior: 1.0 };
     let mut scene = scene();
     scene.materials = vec![
-        material(BsdfDescription::RoughConductor { alpha: 0.2, fresnel: fresnel.clone() }, true),
+        material(BsdfDescription::RoughConductor { alpha: 0.2.into(), fresnel: fresnel.clone() }, true),
         material(BsdfDescription::Conductor { fresnel }, false),
         material(glass, true),
     ];
@@ -249,7 +249,7 @@ fn what_cannot_be_right_is_refused_in_one_line() {
         ("normals", |s| s.meshes[0].normals = Some(vec![DVec3::Z])),
         ("position", |s| s.meshes[0].positions[0].x = f64::NAN),
         ("emits", |s| s.materials[0].emission = Rgb::new(1.0, f64::INFINITY, 0.0)),
-        ("reflectance", |s| s.materials[0].bsdf = BsdfDescription::Diffuse { reflectance: Rgb::grey(1.5) }),
+        ("reflectance", |s| s.materials[0].bsdf = BsdfDescription::Diffuse { reflectance: Rgb::grey(1.5).into() }),
     ];
     for (word, change) in changes {
         let mut scene = SceneDescription { meshes: vec![triangle()], ..scene() };

@@ -6,6 +6,7 @@ use glam::DVec3;
 
 use crate::geometry::Bounds;
 use crate::scene::description::{BsdfDescription, Lens, Mesh, Projection, SensorDescription};
+use crate::scene::texture::Parameter;
 use crate::scene::{PrimitiveId, Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
 
@@ -73,7 +74,9 @@ impl DiffuseScene {
             let [a, b, c] = triangle.corners();
             let mesh = triangle.shape as usize;
             let material = &description.materials[description.meshes[mesh].material];
-            let BsdfDescription::Diffuse { reflectance } = material.bsdf else { continue };
+            let BsdfDescription::Diffuse { reflectance: Parameter::Constant(reflectance) } = material.bsdf else {
+                continue;
+            };
             let Some(normal) = area_vector(&[a, b, c]).try_normalize() else { continue };
             let side = |corners: Corners, normal: DVec3, emission: Rgb| Facet {
                 corners,
@@ -149,7 +152,7 @@ fn check(description: &SceneDescription) -> Result<(), RadiosityError> {
     }
     for mesh in &description.meshes {
         let material = &description.materials[mesh.material];
-        if !matches!(material.bsdf, BsdfDescription::Diffuse { .. }) {
+        if !matches!(material.bsdf, BsdfDescription::Diffuse { reflectance: Parameter::Constant(_) }) {
             return Err(RadiosityError::NotDiffuse(material.name.clone()));
         }
         if !is_flat(mesh) {

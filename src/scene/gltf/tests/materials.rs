@@ -26,7 +26,7 @@ fn rough_non_metals_are_diffuse_without_a_warning() {
     let (material, warnings) = read(
         json!({"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.1, 0.2, 1], "metallicFactor": 0}}),
     );
-    assert_eq!(material.bsdf, BsdfDescription::Diffuse { reflectance: Rgb::new(0.6, 0.1, 0.2) });
+    assert_eq!(material.bsdf, BsdfDescription::Diffuse { reflectance: Rgb::new(0.6, 0.1, 0.2).into() });
     assert_eq!(
         (material.name.as_str(), material.two_sided, material.emission, warnings),
         ("red", false, Rgb::BLACK, 0)
@@ -41,14 +41,17 @@ fn metals_are_tinted_conductors() {
         let factors = json!({"baseColorFactor": [0.9, 0.8, 0.7, 1], "roughnessFactor": roughness});
         read(json!({"pbrMetallicRoughness": factors})).0.bsdf
     };
-    assert_eq!(metal(0.5), BsdfDescription::RoughConductor { alpha: 0.25, fresnel: tint(0.9, 0.8, 0.7) });
+    assert_eq!(metal(0.5), BsdfDescription::RoughConductor { alpha: 0.25.into(), fresnel: tint(0.9, 0.8, 0.7) });
     assert_eq!(metal(0.009), BsdfDescription::Conductor { fresnel: tint(0.9, 0.8, 0.7) });
 }
 
 #[test]
 fn without_a_material_the_default_one_is_taken() {
     let scene = read_json(&triangle()).unwrap();
-    assert_eq!(scene.materials[0].bsdf, BsdfDescription::RoughConductor { alpha: 1.0, fresnel: tint(1.0, 1.0, 1.0) });
+    assert_eq!(
+        scene.materials[0].bsdf,
+        BsdfDescription::RoughConductor { alpha: 1.0.into(), fresnel: tint(1.0, 1.0, 1.0) }
+    );
     assert!(scene.warnings.is_empty());
 }
 
@@ -60,7 +63,7 @@ fn transmission_makes_a_dielectric() {
         read(json!({"pbrMetallicRoughness": factors, "extensions": extensions})).0.bsdf
     };
     assert_eq!(glass(0.0, json!({})), BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 });
-    let rough = BsdfDescription::RoughDielectric { alpha: 0.25, interior_ior: 1.3, exterior_ior: 1.0 };
+    let rough = BsdfDescription::RoughDielectric { alpha: 0.25.into(), interior_ior: 1.3, exterior_ior: 1.0 };
     assert_eq!(glass(0.5, json!({"ior": 1.3})), rough);
 }
 
@@ -142,7 +145,7 @@ fn exact_models_in_extras_replace_gltfs() {
         }},
     }));
     let fresnel = ConductorFresnel::Ior { eta: Rgb::new(0.2, 0.9, 1.1), k: Rgb::new(3.9, 2.4, 2.2) };
-    assert_eq!(material.bsdf, BsdfDescription::RoughConductor { alpha: 0.1, fresnel });
+    assert_eq!(material.bsdf, BsdfDescription::RoughConductor { alpha: 0.1.into(), fresnel });
     assert_eq!((material.emission, material.two_sided, warnings), (Rgb::BLACK, false, 0));
 }
 

@@ -1,0 +1,473 @@
+//! Models made of others, and models whose parameters vary over the surface.
+
+use glam::DVec3;
+
+use super::perturbed::TurnedFrame;
+use super::{Bsdf, BsdfModel, BsdfSample, LobeDensity, MaterialError, Side};
+use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
+use crate::scene::description::{BsdfDescription, NormalSource};
+use crate::scene::texture::{Parameter, SurfacePoint, Texture, clamped};
+use crate::spectrum::Rgb;
+
+/// A model that depends on the point of the surface, or is made of others.
+#[derive(Clone, Debug)]
+pub(crate) enum Composite {
+    /// The same everywhere.
+    Leaf(Bsdf),
+    /// One whose parameters are textures.
+    Textured(BsdfDescription),
+    /// Light goes straight through.
+    Null,
+    /// One model for each side; without a second, both are alike.
+    TwoSided { front: Box<Composite>, back: Option<Box<Composite>> },
+    /// The nested model by `opacity`, straight through by the rest.
+    Mask { opacity: Parameter<f64>, nested: Box<Composite> },
+    /// `(1 − weight) models[0] + weight models[1]`.
+    Blend { weight: Parameter<f64>, models: Box<[Composite; 2]> },
+    /// The nested model under a turned normal.
+    Perturbed { normal: NormalSource, nested: Box<Composite> },
+}
+
+/// Directions count as opposite below this squared distance: those of a walk are rounded along short edges.
+const OPPOSITE: f64 = 1e-12;
+
+fn opposite(a: DVec3, b: DVec3) -> bool {
+    (a + b).length_squared() < OPPOSITE
+}
+
+fn turned_over(v: DVec3) -> DVec3 {
+    DVec3::new(v.x, v.y, -v.z)
+}
+
+impl Composite {
+    /// From a description.
+    pub(crate) fn new(description: &BsdfDescription) -> Result<Self, MaterialError> {
+        let nested = |nested: &BsdfDescription| Self::new(nested).map(Box::new);
+        Ok(match description {
+            BsdfDescription::Null => Self::Null,
+            BsdfDescription::TwoSided { front, back } => {
+                let same = front == back;
+                let (front, back) = (nested(front)?, if same { None } else { Some(nested(back)?) });
+                if front.transmits() || back.as_ref().is_some_and(|back| back.transmits()) {
+                    return Err(MaterialError::Composition(
+                        "what transmits light has two sides already: take it out of the two-sided model",
+                    ));
+                }
+                Self::TwoSided { front, back }
+            }
+            BsdfDescription::Mask { opacity, nested: inner } => {
+                Self::Mask { opacity: checked_share("opacity", opacity)?, nested: nested(inner)? }
+            }
+            BsdfDescription::Blend { weight, first, second } => {
+                let models = Box::new([Self::new(first)?, Self::new(second)?]);
+                if models.iter().all(Self::refracts) && first != second {
+                    return Err(MaterialError::Composition(
+                        "a blend of two smooth glasses: which of them a refracted path took cannot be told",
+                    ));
+                }
+                Self::Blend { weight: checked_share("weight", weight)?, models }
+            }
+            BsdfDescription::Perturbed { normal, nested: inner } => {
+                Self::Perturbed { normal: normal.clone(), nested: nested(inner)? }
+            }
+            leaf => {
+                let bsdf = Bsdf::new(leaf)?;
+                if leaf.textures().is_empty() { Self::Leaf(bsdf) } else { Self::Textured(leaf.clone()) }
+            }
+        })
+    }
+
+    /// It needs no point to be evaluated at.
+    pub(crate) fn into_uniform(self) -> Result<Bsdf, Self> {
+        match self {
+            Self::Leaf(bsdf) if !bsdf.is_anisotropic() => Ok(bsdf),
+            other => Err(other),
+        }
+    }
+
+    /// Both sides alike, unless it has two already.
+    pub(crate) fn two_sided(self) -> Self {
+        if self.scatters_behind() { self } else { Self::TwoSided { front: Box::new(self), back: None } }
+    }
+
+    /// See [`BsdfModel::has_finite`].
+    pub(crate) fn has_finite(&self) -> bool {
+        self.any(&|bsdf| bsdf.has_finite())
+    }
+
+    /// See [`BsdfModel::has_dirac`].
+    pub(crate) fn has_dirac(&self) -> bool {
+        match self {
+            Self::Null => true,
+            Self::Mask { opacity, nested } => opacity.constant() != Some(&1.0) || nested.has_dirac(),
+            _ => self.any(&|bsdf| bsdf.has_dirac()),
+        }
+    }
+
+    /// See [`BsdfModel::is_glossy`].
+    pub(crate) fn is_glossy(&self) -> bool {
+        self.any(&|bsdf| bsdf.is_glossy())
+    }
+
+    /// Light passes through it.
+    pub(crate) fn transmits(&self) -> bool {
+        match self {
+            Self::Null | Self::Mask { .. } => true,
+            _ => self.any(&|bsdf| bsdf.transmits()),
+        }
+    }
+
+    /// Some light that comes from behind is not absorbed.
+    pub(crate) fn scatters_behind(&self) -> bool {
+        match self {
+            Self::TwoSided { .. } => true,
+            Self::Blend { models, .. } => models.iter().any(Self::scatters_behind),
+            Self::Perturbed { nested, .. } => nested.scatters_behind(),
+            _ => self.transmits(),
+        }
+    }
+
+    /// Its Dirac lobes bend light.
+    fn refracts(&self) -> bool {
+        self.any(&|bsdf| bsdf.transmits() && bsdf.has_dirac())
+    }
+
+    /// Some leaf has the property; a textured one has what its description says.
+    fn any(&self, has: &dyn Fn(&Bsdf) -> bool) -> bool {
+        match self {
+            Self::Null => false,
+            Self::Leaf(bsdf) => has(bsdf),
+            Self::Textured(description) => Bsdf::new(description).is_ok_and(|bsdf| has(&bsdf)),
+            Self::TwoSided { front, back } => front.any(has) || back.as_ref().is_some_and(|back| back.any(has)),
+            Self::Mask { nested, .. } | Self::Perturbed { nested, .. } => nested.any(has),
+            Self::Blend { models, .. } => models.iter().any(|model| model.any(has)),
+        }
+    }
+
+    /// At a point of the surface.
+    pub(crate) fn at<'a>(&'a self, at: SurfacePoint<'a>) -> CompositeAt<'a> {
+        CompositeAt { model: self, at }
+    }
+}
+
+impl BsdfDescription {
+    /// The textures of its own parameters, not those of nested models.
+    #[must_use]
+    pub fn textures(&self) -> Vec<&Texture> {
+        match self {
+            Self::Diffuse { reflectance } => reflectance.texture().into_iter().collect(),
+            Self::RoughConductor { alpha, .. } | Self::RoughDielectric { alpha, .. } => {
+                alpha.texture().into_iter().collect()
+            }
+            Self::Mask { opacity: share, .. } | Self::Blend { weight: share, .. } => {
+                share.texture().into_iter().collect()
+            }
+            Self::Perturbed {
+                normal: NormalSource::Map { texture, .. } | NormalSource::Bump { texture, .. }, ..
+            } => {
+                vec![texture]
+            }
+            Self::Conductor { .. } | Self::Dielectric { .. } | Self::Null | Self::TwoSided { .. } => Vec::new(),
+        }
+    }
+
+    /// Visits all textures of the model and of those that it is made of.
+    pub fn visit_textures(&self, see: &mut dyn FnMut(&Texture)) {
+        self.textures().iter().for_each(|texture| texture.visit(see));
+        self.nested().iter().for_each(|nested| nested.visit_textures(see));
+    }
+
+    /// The models that it is made of.
+    #[must_use]
+    pub fn nested(&self) -> Vec<&Self> {
+        match self {
+            Self::TwoSided { front: a, back: b } | Self::Blend { first: a, second: b, .. } => vec![a, b],
+            Self::Mask { nested, .. } | Self::Perturbed { nested, .. } => vec![nested],
+            _ => Vec::new(),
+        }
+    }
+}
+
+fn checked_share(parameter: &'static str, share: &Parameter<f64>) -> Result<Parameter<f64>, MaterialError> {
+    match share.constant() {
+        Some(&value) if !(0.0..=1.0).contains(&value) => {
+            Err(MaterialError::Number { parameter, value, range: "0 … 1" })
+        }
+        _ => Ok(share.clone()),
+    }
+}
+
+/// A composite at one point of its surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct CompositeAt<'a> {
+    model: &'a Composite,
+    at: SurfacePoint<'a>,
+}
+
+impl<'a> CompositeAt<'a> {
+    fn nested(&self, model: &'a Composite) -> Self {
+        Self { model, at: self.at }
+    }
+
+    fn share(&self, share: &Parameter<f64>) -> f64 {
+        clamped(share.at(&self.at), 0.0, 1.0)
+    }
+
+    fn textured(&self, description: &BsdfDescription) -> Bsdf {
+        Bsdf::at(description, &self.at).expect("a textured leaf is no composite")
+    }
+
+    /// The model of the side that `v` is on, and whether that is the back.
+    fn side(&self, front: &'a Composite, back: &'a Option<Box<Composite>>, v: DVec3) -> (Self, bool) {
+        let behind = v.z < 0.0;
+        (self.nested(if behind { back.as_deref().unwrap_or(front) } else { front }), behind)
+    }
+
+    fn turned(&self, normal: &NormalSource, nested: &'a Composite) -> (TurnedFrame, Self) {
+        let frame = TurnedFrame::new(normal, &self.at);
+        let tangents = self.at.tangents.map(|tangent| frame.to_nested(tangent));
+        (frame, Self { model: nested, at: SurfacePoint { tangents, ..self.at } })
+    }
+}
+
+impl BsdfModel for CompositeAt<'_> {
+    fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+        match self.model {
+            Composite::Null => Rgb::BLACK,
+            Composite::Leaf(bsdf) => bsdf.eval(to_emitter, to_sensor),
+            Composite::Textured(description) => self.textured(description).eval(to_emitter, to_sensor),
+            Composite::TwoSided { front, back } => match self.side(front, back, to_sensor) {
+                (model, true) => model.eval(turned_over(to_emitter), turned_over(to_sensor)),
+                (model, false) => model.eval(to_emitter, to_sensor),
+            },
+            Composite::Mask { opacity, nested } => {
+                self.nested(nested).eval(to_emitter, to_sensor) * self.share(opacity)
+            }
+            Composite::Blend { weight, models } => {
+                let weight = self.share(weight);
+                let [first, second] = [&models[0], &models[1]].map(|m| self.nested(m).eval(to_emitter, to_sensor));
+                first * (1.0 - weight) + second * weight
+            }
+            Composite::Perturbed { normal, nested } => {
+                let (frame, nested) = self.turned(normal, nested);
+                let Some([i, o]) = frame.both_to_nested(to_emitter, to_sensor) else { return Rgb::BLACK };
+                nested.eval(i, o) * TurnedFrame::ratio(to_emitter, i)
+            }
+        }
+    }
+
+    fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
+        match self.model {
+            Composite::Null => Density::ZERO,
+            Composite::Leaf(bsdf) => bsdf.density(from, to),
+            Composite::Textured(description) => self.textured(description).density(from, to),
+            Composite::TwoSided { front, back } => match self.side(front, back, from) {
+                (model, true) => model.density(turned_over(from), turned_over(to)),
+                (model, false) => model.density(from, to),
+            },
+            Composite::Mask { opacity, nested } => self.nested(nested).density(from, to) * self.share(opacity),
+            Composite::Blend { weight, models } => {
+                let weight = self.share(weight);
+                let [first, second] = [&models[0], &models[1]].map(|m| self.nested(m).density(from, to).value());
+                Density::new((1.0 - weight) * first + weight * second)
+            }
+            Composite::Perturbed { normal, nested } => {
+                let (frame, nested) = self.turned(normal, nested);
+                frame.both_to_nested(from, to).map_or(Density::ZERO, |[from, to]| nested.density(from, to))
+            }
+        }
+    }
+
+    fn eval_dirac(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+        match self.model {
+            Composite::Null => {
+                if opposite(to_emitter, to_sensor) {
+                    Rgb::WHITE
+                } else {
+                    Rgb::BLACK
+                }
+            }
+            Composite::Leaf(bsdf) => bsdf.eval_dirac(to_emitter, to_sensor),
+            Composite::Textured(description) => self.textured(description).eval_dirac(to_emitter, to_sensor),
+            Composite::TwoSided { front, back } => match self.side(front, back, to_sensor) {
+                (model, true) => model.eval_dirac(turned_over(to_emitter), turned_over(to_sensor)),
+                (model, false) => model.eval_dirac(to_emitter, to_sensor),
+            },
+            Composite::Mask { opacity, nested } => {
+                let opacity = self.share(opacity);
+                let through = if opposite(to_emitter, to_sensor) { 1.0 - opacity } else { 0.0 };
+                Rgb::grey(through) + self.nested(nested).eval_part(to_emitter, to_sensor) * opacity
+            }
+            Composite::Blend { weight, models } => {
+                let weight = self.share(weight);
+                let [first, second] = [&models[0], &models[1]].map(|m| self.nested(m).eval_part(to_emitter, to_sensor));
+                first * (1.0 - weight) + second * weight
+            }
+            Composite::Perturbed { normal, nested } => {
+                let (frame, nested) = self.turned(normal, nested);
+                frame.both_to_nested(to_emitter, to_sensor).map_or(Rgb::BLACK, |[i, o]| nested.eval_dirac(i, o))
+            }
+        }
+    }
+
+    fn density_dirac(&self, side: Side, from: DVec3, to: DVec3) -> Density<ProjectedSolidAngle> {
+        match self.model {
+            Composite::Null => {
+                if opposite(from, to) {
+                    Density::new(1.0)
+                } else {
+                    Density::ZERO
+                }
+            }
+            Composite::Leaf(bsdf) => bsdf.density_dirac(side, from, to),
+            Composite::Textured(description) => self.textured(description).density_dirac(side, from, to),
+            Composite::TwoSided { front, back } => match self.side(front, back, from) {
+                (model, true) => model.density_dirac(side, turned_over(from), turned_over(to)),
+                (model, false) => model.density_dirac(side, from, to),
+            },
+            Composite::Mask { opacity, nested } => {
+                let opacity = self.share(opacity);
+                let through = if opposite(from, to) { 1.0 - opacity } else { 0.0 };
+                Density::new(through + opacity * self.nested(nested).density_part(side, from, to))
+            }
+            Composite::Blend { weight, models } => {
+                let weight = self.share(weight);
+                let [first, second] = [&models[0], &models[1]].map(|m| self.nested(m).density_part(side, from, to));
+                Density::new((1.0 - weight) * first + weight * second)
+            }
+            Composite::Perturbed { normal, nested } => {
+                let (frame, nested) = self.turned(normal, nested);
+                let Some([f, t]) = frame.both_to_nested(from, to) else { return Density::ZERO };
+                nested.density_dirac(side, f, t) * TurnedFrame::dirac_ratio(side, [from, f], [to, t])
+            }
+        }
+    }
+
+    fn sample(&self, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        match self.model {
+            Composite::Null => {
+                Some(BsdfSample { to: -from, density: LobeDensity::Dirac(Density::new(1.0)), value: Rgb::WHITE })
+            }
+            Composite::Leaf(bsdf) => bsdf.sample(side, from, u),
+            Composite::Textured(description) => self.textured(description).sample(side, from, u),
+            Composite::TwoSided { front, back } => match self.side(front, back, from) {
+                (model, true) => {
+                    let sample = model.sample(side, turned_over(from), u)?;
+                    Some(BsdfSample { to: turned_over(sample.to), ..sample })
+                }
+                (model, false) => model.sample(side, from, u),
+            },
+            Composite::Mask { opacity, nested } => {
+                let opacity = self.share(opacity);
+                let drawn = if u[2] < opacity {
+                    self.nested(nested).sample(side, from, [u[0], u[1], u[2] / opacity])?.to
+                } else {
+                    -from
+                };
+                self.whole(side, from, drawn, u[2] >= opacity)
+            }
+            Composite::Blend { weight, models } => {
+                let weight = self.share(weight);
+                let (model, rest) = if u[2] < weight {
+                    (&models[1], u[2] / weight)
+                } else {
+                    (&models[0], (u[2] - weight) / (1.0 - weight))
+                };
+                let sample = self.nested(model).sample(side, from, [u[0], u[1], rest.min(1.0_f64.next_down())])?;
+                self.whole(side, from, sample.to, matches!(sample.density, LobeDensity::Dirac(_)))
+            }
+            Composite::Perturbed { normal, nested } => {
+                let (frame, nested) = self.turned(normal, nested);
+                let nested_from = frame.same_side(from)?;
+                let sample = nested.sample(side, nested_from, u)?;
+                let to = frame.to_outer(sample.to);
+                frame.same_side(to)?;
+                Some(match sample.density {
+                    LobeDensity::Finite(density) => {
+                        let (outer, _) = side.by_role(from, to);
+                        let (inner, _) = side.by_role(nested_from, sample.to);
+                        let value = sample.value * TurnedFrame::ratio(outer, inner);
+                        BsdfSample { to, density: LobeDensity::Finite(density), value }
+                    }
+                    LobeDensity::Dirac(density) => {
+                        let ratio = TurnedFrame::dirac_ratio(side, [from, nested_from], [to, sample.to]);
+                        BsdfSample { to, density: LobeDensity::Dirac(density * ratio), value: sample.value }
+                    }
+                })
+            }
+        }
+    }
+
+    fn radiance_scale(&self, to_emitter: DVec3, to_sensor: DVec3) -> f64 {
+        if opposite(to_emitter, to_sensor) {
+            return 1.0;
+        }
+        match self.model {
+            Composite::Null | Composite::TwoSided { .. } => 1.0,
+            Composite::Leaf(bsdf) => bsdf.radiance_scale(to_emitter, to_sensor),
+            Composite::Textured(description) => self.textured(description).radiance_scale(to_emitter, to_sensor),
+            Composite::Mask { nested, .. } | Composite::Perturbed { nested, .. } => {
+                self.nested(nested).radiance_scale(to_emitter, to_sensor)
+            }
+            Composite::Blend { models, .. } => {
+                let transmits = models.iter().find(|model| model.transmits());
+                transmits.map_or(1.0, |model| self.nested(model).radiance_scale(to_emitter, to_sensor))
+            }
+        }
+    }
+
+    fn has_finite(&self) -> bool {
+        self.model.has_finite()
+    }
+
+    fn has_dirac(&self) -> bool {
+        self.model.has_dirac()
+    }
+
+    fn is_glossy(&self) -> bool {
+        self.model.is_glossy()
+    }
+
+    fn transmits(&self) -> bool {
+        self.model.scatters_behind()
+    }
+}
+
+impl CompositeAt<'_> {
+    /// What all parts together say of a direction that one of them drew.
+    fn whole(&self, side: Side, from: DVec3, to: DVec3, dirac: bool) -> Option<BsdfSample> {
+        let (to_emitter, to_sensor) = side.by_role(from, to);
+        if dirac {
+            let density = self.density_dirac(side, from, to);
+            let value = self.eval_dirac(to_emitter, to_sensor);
+            (density.value() > 0.0).then_some(BsdfSample { to, density: LobeDensity::Dirac(density), value })
+        } else {
+            let density = self.density(from, to);
+            let value = self.eval(to_emitter, to_sensor);
+            (density.value() > 0.0).then_some(BsdfSample { to, density: LobeDensity::Finite(density), value })
+        }
+    }
+
+    /// Its Dirac lobes include one that does not bend light.
+    fn goes_straight(&self) -> bool {
+        match self.model {
+            Composite::Null | Composite::Mask { .. } => true,
+            Composite::Blend { models, .. } => models.iter().any(|model| self.nested(model).goes_straight()),
+            Composite::Perturbed { nested, .. } => self.nested(nested).goes_straight(),
+            _ => false,
+        }
+    }
+
+    /// Its lobes may have drawn one of these directions for the other: a lobe that bends light did not draw opposite ones.
+    fn may_join(&self, a: DVec3, b: DVec3) -> bool {
+        self.goes_straight() || !opposite(a, b)
+    }
+
+    fn eval_part(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+        if self.may_join(to_emitter, to_sensor) { self.eval_dirac(to_emitter, to_sensor) } else { Rgb::BLACK }
+    }
+
+    fn density_part(&self, side: Side, from: DVec3, to: DVec3) -> f64 {
+        if self.may_join(from, to) { self.density_dirac(side, from, to).value() } else { 0.0 }
+    }
+}

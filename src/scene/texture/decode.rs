@@ -1,0 +1,92 @@
+//! Image files: PNG, JPEG, Radiance HDR and OpenEXR.
+
+use std::io::Cursor;
+use std::path::{Path, PathBuf};
+
+use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
+use thiserror::Error;
+
+use super::Texels;
+
+/// Longest side of an image, in pixels.
+const LONGEST_SIDE: u32 = 32_768;
+
+/// Most memory that decoding may take \[B\].
+const MOST_MEMORY: u64 = 4 << 30;
+
+/// Why an image cannot be read.
+#[derive(Debug, Error)]
+pub enum ImageError {
+    /// The file is not there or not readable.
+    #[error("{} cannot be read ({cause})", file.display())]
+    Unreadable {
+        /// The file.
+        file: PathBuf,
+        /// Why.
+        cause: String,
+    },
+    /// Its content is no image.
+    #[error("{name} is no image that can be read ({cause}): PNG, JPEG, HDR and EXR are, up to 32768 pixels a side")]
+    Broken {
+        /// The file, or its place in another.
+        name: String,
+        /// Why.
+        cause: String,
+    },
+}
+
+/// Reads a file. `raw` says that its numbers are not colours: what is stored by the curve of sRGB is linear then.
+///
+/// # Errors
+/// The file is missing, too large or no image.
+pub fn read(file: &Path, raw: bool) -> Result<(u32, u32, Texels), ImageError> {
+    let unreadable = |cause: String| ImageError::Unreadable { file: file.into(), cause };
+    let metadata = std::fs::metadata(file).map_err(|error| unreadable(error.to_string()))?;
+    if !metadata.is_file() {
+        return Err(unreadable("it is not a regular file".into()));
+    }
+    let bytes = std::fs::read(file).map_err(|error| unreadable(error.to_string()))?;
+    decode(&bytes, &file.display().to_string(), raw)
+}
+
+/// The same for the bytes of a file; `name` is for messages.
+///
+/// # Errors
+/// As [`read`].
+pub fn decode(bytes: &[u8], name: &str, raw: bool) -> Result<(u32, u32, Texels), ImageError> {
+    let broken = |cause: String| ImageError::Broken { name: name.into(), cause };
+    let mut reader =
+        ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| broken(error.to_string()))?;
+    let mut limits = Limits::default();
+    (limits.max_image_width, limits.max_image_height) = (Some(LONGEST_SIDE), Some(LONGEST_SIDE));
+    limits.max_alloc = Some(MOST_MEMORY);
+    reader.limits(limits);
+    if reader.format().is_none() {
+        return Err(broken("unknown format".into()));
+    }
+    let floats = matches!(reader.format(), Some(ImageFormat::OpenExr | ImageFormat::Hdr));
+    let image = reader.decode().map_err(|error| broken(error.to_string()))?;
+    let (width, height) = (image.width(), image.height());
+    if width == 0 || height == 0 {
+        return Err(broken("it has no pixels".into()));
+    }
+    Ok((width, height, texels(image, floats, raw)))
+}
+
+fn texels(image: DynamicImage, floats: bool, raw: bool) -> Texels {
+    if floats {
+        return Texels::Float(image.into_rgba32f().pixels().map(|p| p.0).collect());
+    }
+    let eight_bits = matches!(image.color(), ColorType::L8 | ColorType::La8 | ColorType::Rgb8 | ColorType::Rgba8);
+    if eight_bits {
+        let pixels = image.into_rgba8().pixels().map(|p| p.0).collect();
+        return if raw { Texels::Linear8(pixels) } else { Texels::Srgb8(pixels) };
+    }
+    let pixels = image.into_rgba32f().pixels().map(|p| p.0).collect::<Vec<_>>();
+    let linear = |x: f32| super::bitmap::srgb_to_linear(f64::from(x)) as f32;
+    Texels::Float(if raw {
+        pixels
+    } else {
+        pixels.into_iter().map(|[r, g, b, a]| [linear(r), linear(g), linear(b), a]).collect()
+    })
+}
