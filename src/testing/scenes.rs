@@ -1,11 +1,14 @@
 //! Small scenes with known answers, and some that have a bit of everything.
 
-use glam::{DVec3, Vec2};
+use std::sync::Arc;
+
+use glam::{DAffine2, DVec2, DVec3, Vec2};
 
 use crate::scene::description::{
-    BsdfDescription, ConductorFresnel, FilmSize, Lens, Light, LightKind, Material, Mesh, Projection, SensorDescription,
-    Sphere,
+    BsdfDescription, ConductorFresnel, FilmSize, Lens, Light, LightKind, Material, Mesh, NormalSource, Projection,
+    SensorDescription, Sphere,
 };
+use crate::scene::texture::{Parameter, Texture};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
 
@@ -238,6 +241,38 @@ pub fn cabinet(film: FilmSize) -> SceneDescription {
     ];
     let camera = pinhole(DVec3::new(0.1, 1.0, 0.9), DVec3::new(0.0, 0.8, -1.0), 70.0);
     scene.sensor = Some(with_lens(camera, 0.08, 1.4));
+    scene
+}
+
+/// The cabinet with materials that vary over their surfaces and are made of others, some with finite and Dirac lobes.
+#[must_use]
+pub fn veneer(film: FilmSize) -> SceneDescription {
+    let mut scene = cabinet(film);
+    scene.name = "veneer".into();
+    let matt = |r: f64, g: f64, b: f64| Box::new(BsdfDescription::Diffuse { reflectance: Rgb::new(r, g, b).into() });
+    let grey = |x: f64| Texture::Constant([x, x, x, 1.0]);
+    let board = |first: Texture, second: Texture, scale: f64| {
+        let to_uv = DAffine2::from_scale(DVec2::splat(scale));
+        Arc::new(Texture::Checkerboard { colours: Box::new([first, second]), to_uv })
+    };
+    let tint = || ConductorFresnel::Tint { specular_tint: Rgb::new(0.9, 0.8, 0.7) };
+    let mut replace = |name: &str, bsdf: BsdfDescription| {
+        let found = scene.materials.iter_mut().find(|material| material.name == name);
+        found.expect("the cabinet has it").bsdf = bsdf;
+    };
+    let alpha = Parameter::Texture(board(grey(0.15), grey(0.5), 8.0));
+    replace("rough metal", BsdfDescription::RoughConductor { alpha, fresnel: tint() });
+    let mirror = Box::new(BsdfDescription::Conductor { fresnel: tint() });
+    replace("mirror", BsdfDescription::Blend { weight: 0.5.into(), first: mirror, second: matt(0.1, 0.5, 0.3) });
+    let leaf = Box::new(BsdfDescription::TwoSided { front: matt(0.7, 0.6, 0.1), back: matt(0.1, 0.2, 0.7) });
+    let opacity = Parameter::Texture(board(grey(0.3), grey(0.9), 6.0));
+    replace("rough glass", BsdfDescription::Mask { opacity, nested: leaf });
+    let tilted = Texture::Constant([0.6, 0.42, 0.9, 1.0]);
+    let upright = Texture::Constant([0.5, 0.5, 1.0, 1.0]);
+    let normal = NormalSource::Map { texture: board(tilted, upright, 5.0), scale: [1.0; 2], against_v: false };
+    let tiles = board(Texture::Constant([0.8, 0.7, 0.6, 1.0]), Texture::Constant([0.2, 0.3, 0.4, 1.0]), 4.0);
+    let tiles = Box::new(BsdfDescription::Diffuse { reflectance: Parameter::Texture(tiles) });
+    scene.materials[0].bsdf = BsdfDescription::Perturbed { normal, nested: tiles };
     scene
 }
 

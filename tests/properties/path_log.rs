@@ -14,9 +14,16 @@ use pathspace_path_bsdf::BsdfPathTracer;
 
 const FILM: FilmSize = FilmSize { width: 12, height: 9 };
 
-fn all_scenes() -> [SceneDescription; 5] {
+fn all_scenes() -> [SceneDescription; 6] {
     let enclosure = scenes::enclosure(Rgb::new(0.5, 0.7, 0.9), Rgb::new(0.3, 0.5, 0.8), FILM);
-    [enclosure, scenes::room(FILM), scenes::cabinet(FILM), scenes::terrace(FILM), scenes::gallery(FILM)]
+    [
+        enclosure,
+        scenes::room(FILM),
+        scenes::cabinet(FILM),
+        scenes::terrace(FILM),
+        scenes::gallery(FILM),
+        scenes::veneer(FILM),
+    ]
 }
 
 fn bdpt(settings: &str) -> Bidirectional {

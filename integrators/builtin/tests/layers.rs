@@ -69,7 +69,8 @@ fn assert_equal(what: &str, a: &Image, b: &Image) {
 #[test]
 fn lengths_sum_to_the_image_and_weighted_techniques_to_the_lengths() {
     let film = FilmSize { width: 12, height: 9 };
-    let all = [scenes::room(film), scenes::cabinet(film), scenes::terrace(film), scenes::gallery(film)];
+    let all =
+        [scenes::room(film), scenes::cabinet(film), scenes::terrace(film), scenes::gallery(film), scenes::veneer(film)];
     for method in all_methods("max_length=5").into_iter().chain([method("bdpt:max_length=4:heuristic=maximum")]) {
         for description in &all {
             let scene = scenes::build(description);

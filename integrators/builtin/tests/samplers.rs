@@ -108,7 +108,9 @@ fn truncation_has_the_bias_of_its_closed_form() {
 fn combinations_agree_with_path() {
     let size = FilmSize { width: 12, height: 9 };
     let all = "walks(s=0)+walks(s=1)+walks(s=2)+walks(s=3)+walks(s=4)+walks(t=1)+walks(t=0)";
-    for scene in [scenes::room(size), scenes::cabinet(size), scenes::terrace(size), scenes::gallery(size)] {
+    for scene in
+        [scenes::room(size), scenes::cabinet(size), scenes::terrace(size), scenes::gallery(size), scenes::veneer(size)]
+    {
         let (expected, its_error) = mean_and_error(&render("path:max_length=4", &scene, 2000));
         for samplers in
             [all, "walks(s=1)+direct(by=cosine)+walks(s=0)", "area+direct(by=surfaces)+walks(s=1)+walks(s=0)"]
@@ -138,7 +140,9 @@ fn bdpt_is_a_combination() {
     let samplers: Vec<std::sync::Arc<dyn PathSampler>> =
         names.map(|text| (pathspace_walks::SAMPLER.build)(&mut Settings::parse(&text).unwrap()).unwrap()).collect();
     let size = FilmSize { width: 12, height: 9 };
-    for scene in [scenes::room(size), scenes::cabinet(size), scenes::terrace(size), scenes::gallery(size)] {
+    for scene in
+        [scenes::room(size), scenes::cabinet(size), scenes::terrace(size), scenes::gallery(size), scenes::veneer(size)]
+    {
         let scene = scenes::build(&scene);
         let fast = method(&format!("bdpt:max_length={LONGEST}"));
         let mut compared = 0;

@@ -359,12 +359,12 @@ impl BsdfModel for CompositeAt<'_> {
             },
             Composite::Mask { opacity, nested } => {
                 let opacity = self.share(opacity);
-                let drawn = if u[2] < opacity {
-                    self.nested(nested).sample(side, from, [u[0], u[1], u[2] / opacity])?.to
+                if u[2] < opacity {
+                    let sample = self.nested(nested).sample(side, from, [u[0], u[1], u[2] / opacity])?;
+                    self.whole(side, from, sample.to, matches!(sample.density, LobeDensity::Dirac(_)))
                 } else {
-                    -from
-                };
-                self.whole(side, from, drawn, u[2] >= opacity)
+                    self.whole(side, from, -from, true)
+                }
             }
             Composite::Blend { weight, models } => {
                 let weight = self.share(weight);
@@ -381,19 +381,7 @@ impl BsdfModel for CompositeAt<'_> {
                 let nested_from = frame.same_side(from)?;
                 let sample = nested.sample(side, nested_from, u)?;
                 let to = frame.to_outer(sample.to);
-                frame.same_side(to)?;
-                Some(match sample.density {
-                    LobeDensity::Finite(density) => {
-                        let (outer, _) = side.by_role(from, to);
-                        let (inner, _) = side.by_role(nested_from, sample.to);
-                        let value = sample.value * TurnedFrame::ratio(outer, inner);
-                        BsdfSample { to, density: LobeDensity::Finite(density), value }
-                    }
-                    LobeDensity::Dirac(density) => {
-                        let ratio = TurnedFrame::dirac_ratio(side, [from, nested_from], [to, sample.to]);
-                        BsdfSample { to, density: LobeDensity::Dirac(density * ratio), value: sample.value }
-                    }
-                })
+                self.whole(side, from, to, matches!(sample.density, LobeDensity::Dirac(_)))
             }
         }
     }

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a panic is how a test fails")]
 
 mod chi2;
+mod composites;
 mod consistency;
 mod energy;
 mod robustness;
