@@ -43,7 +43,7 @@ pub(crate) struct LoadOptions {
 pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedScene> {
     let file = find(word)?;
     let mut description = gltf::read_with(&file, &ReadOptions { camera: options.camera.clone() })?;
-    description.environment = options.environment.or(description.environment);
+    description.environment = options.environment.map(Into::into).or(description.environment);
     let scene_options = SceneOptions { film: options.film, light_selection: options.light_selection };
     let (scene, notes) = Scene::build(&description, scene_options)?;
     if description.sensor.is_none() {
@@ -109,7 +109,9 @@ pub(crate) fn fingerprint(description: &SceneDescription) -> String {
         mesh.triangles.as_flattened().iter().for_each(|index| hash.update(&index.to_le_bytes()));
         hash.update(format!("{} {} {};", mesh.normals.is_some(), mesh.positions.len(), mesh.material).as_bytes());
     }
-    let SceneDescription { spheres, materials, lights, environment, sensor, .. } = description;
-    hash.update(format!("{spheres:?}{materials:?}{lights:?}{environment:?}{sensor:?}").as_bytes());
+    let SceneDescription { spheres, disks, cylinders, materials, lights, environment, sensor, filter, .. } =
+        description;
+    hash.update(format!("{spheres:?}{disks:?}{cylinders:?}{materials:?}{lights:?}").as_bytes());
+    hash.update(format!("{environment:?}{sensor:?}{filter:?}").as_bytes());
     format!("{:016x}", hash.digest())
 }

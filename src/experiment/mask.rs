@@ -66,10 +66,10 @@ mod tests {
         let film = FilmSize { width: 64, height: 48 };
         let mut description = enclosure(Rgb::WHITE, Rgb::grey(0.5), film);
         assert_eq!(blocks_without_dirac(&build(&description)), None);
-        let glass = BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 };
+        let glass = BsdfDescription::dielectric(1.5, 1.0);
         description.materials.push(material("glass", glass, Rgb::BLACK));
         let centre = DVec3::new(-0.05, 0.0, 0.0);
-        description.spheres.push(Sphere { name: "ball".into(), centre, radius: 0.1, material: 1 });
+        description.spheres.push(Sphere::new("ball", centre, 0.1, 1));
         let scene = build(&description);
         let mask = sees_dirac(&scene);
         let hit = |index: usize| {

@@ -12,7 +12,7 @@ use crate::geometry::Bounds;
 
 use super::accel::{Accel, SphereShape, Triangle};
 use super::bsdf::{Composite, MaterialError};
-use super::description::{FilmSize, LightKind, Material, Mesh, Projection, SensorDescription};
+use super::description::{EnvironmentDescription, FilmSize, LightKind, Material, Mesh, Projection, SensorDescription};
 use super::discrete::Discrete;
 use super::emitter::{Directional, Emitter, EmitterId, Environment, MeshEmitter, Point, SphereEmitter, Spot};
 use super::mapping::Mapping;
@@ -20,6 +20,7 @@ use super::material::SurfaceMaterial;
 use super::sensor::Sensor;
 use super::texture::Texture;
 use super::{MaterialId, Names, Scene, SceneDescription, Shape};
+use crate::spectrum::Rgb;
 
 /// What a user may decide about a scene beyond its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -136,7 +137,14 @@ impl Builder<'_> {
         let place = || format!("material '{}'", material.name);
         let model =
             Composite::new(&material.bsdf).map_err(|e: MaterialError| self.invalid(&place(), &e.to_string()))?;
-        if material.emission.to_array().iter().any(|c| !(0.0..f64::INFINITY).contains(c)) {
+        if material
+            .emission
+            .constant()
+            .unwrap_or(&Rgb::BLACK)
+            .to_array()
+            .iter()
+            .any(|c| !(0.0..f64::INFINITY).contains(c))
+        {
             return Err(self.invalid(&place(), "the emission must be finite and not negative"));
         }
         Ok(SurfaceMaterial::new(model, material.two_sided))
@@ -145,7 +153,9 @@ impl Builder<'_> {
     /// Everything that rays start from or end at, at finite distance.
     fn everything(&self, geometry: Bounds, camera: &SensorDescription) -> Bounds {
         let lights = self.description.lights.iter().filter_map(|light| match light.kind {
-            LightKind::Point { position, .. } | LightKind::Spot { position, .. } => Some(position),
+            LightKind::Point { position, .. }
+            | LightKind::Spot { position, .. }
+            | LightKind::Projector { position, .. } => Some(position),
             LightKind::Directional { .. } => None,
         });
         geometry.union(Bounds::around(lights.chain([camera.position])))
@@ -271,7 +281,7 @@ impl Builder<'_> {
         surfaces.sort_by_key(|(id, _)| id.0);
         let surfaces = surfaces.into_iter().map(|(_, name)| name.clone());
         let lights = lights.iter().map(|light| light.name.clone());
-        let emitters = surfaces.chain(lights).chain(environment.map(|_| "environment".to_owned()));
+        let emitters = surfaces.chain(lights).chain(environment.as_ref().map(|_| "environment".to_owned()));
         Names { materials: materials.iter().map(|m| m.name.clone()).collect(), emitters: emitters.collect() }
     }
 
@@ -307,7 +317,7 @@ impl Builder<'_> {
             shapes[shape].emitter = Some(id);
             emitters.push(Emitter::Mesh(MeshEmitter {
                 id,
-                radiance: material.emission,
+                radiance: *material.emission.constant().unwrap_or(&Rgb::BLACK),
                 area,
                 triangles,
                 choice,
@@ -321,7 +331,8 @@ impl Builder<'_> {
             if description.emits() {
                 let id = EmitterId(emitters.len() as u32);
                 shapes[shape].emitter = Some(id);
-                let (radiance, primitive) = (description.emission, accel.sphere_id(i));
+                let radiance = *description.emission.constant().unwrap_or(&Rgb::BLACK);
+                let primitive = accel.sphere_id(i);
                 let area = sphere.area();
                 emitters.push(Emitter::Sphere(SphereEmitter { id, radiance, area, primitive, material }));
             }
@@ -336,12 +347,13 @@ impl Builder<'_> {
                     let position = position - centre;
                     Emitter::Spot(Spot::new(id, position, direction, intensity, inner_angle, outer_angle))
                 }
+                LightKind::Projector { .. } => return Err(self.invalid("lights", "projectors are not supported yet")),
                 LightKind::Directional { direction, irradiance } => {
                     Emitter::Directional(Directional { id, direction, irradiance, sphere_radius })
                 }
             });
         }
-        if let Some(radiance) = self.description.environment {
+        if let Some(EnvironmentDescription::Constant(radiance)) = self.description.environment {
             let id = EmitterId(emitters.len() as u32);
             emitters.push(Emitter::Environment(Environment { id, radiance, sphere_radius }));
         }
@@ -391,5 +403,6 @@ fn framing_camera(geometry: Bounds) -> Option<SensorDescription> {
         forward: -backward,
         up: backward.cross(right),
         projection: Projection::Perspective { vertical_fov, aspect: None, lens: None },
+        window: SensorDescription::WHOLE,
     })
 }

@@ -47,7 +47,7 @@ pub fn cuboid(name: &str, min: DVec3, max: DVec3, inwards: bool, material: usize
 /// A one-sided material.
 #[must_use]
 pub fn material(name: &str, bsdf: BsdfDescription, emission: Rgb) -> Material {
-    Material { name: name.into(), bsdf, two_sided: false, emission }
+    Material { name: name.into(), bsdf, two_sided: false, emission: emission.into() }
 }
 
 /// A one-sided diffuse material.
@@ -63,6 +63,7 @@ pub fn pinhole(position: DVec3, target: DVec3, vertical_fov_degrees: f64) -> Sen
     let side = if forward.y.abs() < 0.99 { DVec3::Y } else { DVec3::X };
     let right = forward.cross(side).normalize();
     SensorDescription {
+        window: SensorDescription::WHOLE,
         name: "camera".into(),
         position,
         forward,
@@ -178,7 +179,7 @@ pub fn bazaar(film: FilmSize) -> SceneDescription {
                 let material = scene.materials.len();
                 scene.materials.push(diffuse(&name, Rgb::grey(0.3), colour * 300.0));
                 if kind == 2 {
-                    scene.spheres.push(Sphere { name, centre: position, radius: 0.02, material });
+                    scene.spheres.push(Sphere::new(name, position, 0.02, material));
                 } else {
                     scene.meshes.push(rectangle(&name, position, DVec3::X * 0.04, DVec3::Z * 0.04, material));
                 }
@@ -200,21 +201,14 @@ pub fn cabinet(film: FilmSize) -> SceneDescription {
     let tint = ConductorFresnel::Tint { specular_tint: Rgb::new(0.9, 0.8, 0.7) };
     let first = scene.materials.len();
     scene.materials.extend([
-        material("rough metal", BsdfDescription::RoughConductor { alpha: 0.2.into(), fresnel: metal }, Rgb::BLACK),
-        material("mirror", BsdfDescription::Conductor { fresnel: tint }, Rgb::BLACK),
-        material("glass", BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 }, Rgb::BLACK),
-        material(
-            "rough glass",
-            BsdfDescription::RoughDielectric { alpha: 0.3.into(), interior_ior: 1.4, exterior_ior: 1.0 },
-            Rgb::BLACK,
-        ),
+        material("rough metal", BsdfDescription::rough_conductor(0.2, metal), Rgb::BLACK),
+        material("mirror", BsdfDescription::conductor(tint), Rgb::BLACK),
+        material("glass", BsdfDescription::dielectric(1.5, 1.0), Rgb::BLACK),
+        material("rough glass", BsdfDescription::rough_dielectric(0.3, 1.4, 1.0), Rgb::BLACK),
         diffuse("bulb", Rgb::grey(0.2), Rgb::new(3.0, 5.0, 9.0)),
     ]);
-    let sphere = |name: &str, centre: [f64; 3], radius: f64, material: usize| Sphere {
-        name: name.into(),
-        centre: DVec3::from_array(centre),
-        radius,
-        material,
+    let sphere = |name: &str, centre: [f64; 3], radius: f64, material: usize| {
+        Sphere::new(name, DVec3::from_array(centre), radius, material)
     };
     scene.spheres = vec![
         sphere("metal ball", [0.35, 0.85, -0.1], 0.24, first),
@@ -261,8 +255,8 @@ pub fn veneer(film: FilmSize) -> SceneDescription {
         found.expect("the cabinet has it").bsdf = bsdf;
     };
     let alpha = Parameter::Texture(board(grey(0.15), grey(0.5), 8.0));
-    replace("rough metal", BsdfDescription::RoughConductor { alpha, fresnel: tint() });
-    let mirror = Box::new(BsdfDescription::Conductor { fresnel: tint() });
+    replace("rough metal", BsdfDescription::rough_conductor(alpha, tint()));
+    let mirror = Box::new(BsdfDescription::conductor(tint()));
     replace("mirror", BsdfDescription::Blend { weight: 0.5.into(), first: mirror, second: matt(0.1, 0.5, 0.3) });
     let leaf = Box::new(BsdfDescription::TwoSided { front: matt(0.7, 0.6, 0.1), back: matt(0.1, 0.2, 0.7) });
     let opacity = Parameter::Texture(board(grey(0.3), grey(0.9), 6.0));
@@ -282,7 +276,7 @@ pub fn terrace(film: FilmSize) -> SceneDescription {
     let mut scene = cabinet(film);
     scene.name = "terrace".into();
     scene.meshes[0] = rectangle("floor", DVec3::new(-1.0, 0.0, 1.0), DVec3::X * 2.0, DVec3::Z * -2.0, 0);
-    scene.environment = Some(Rgb::new(0.3, 0.4, 0.6));
+    scene.environment = Some(Rgb::new(0.3, 0.4, 0.6).into());
     scene.lights.push(Light {
         name: "sun".into(),
         kind: LightKind::Directional {

@@ -55,13 +55,10 @@ fn bsdf(c: &mut Criterion) {
     let ior = ConductorFresnel::Ior { eta: Rgb::new(0.2, 0.9, 1.1), k: Rgb::new(3.9, 2.4, 2.2) };
     let models = [
         ("diffuse", BsdfDescription::Diffuse { reflectance: Rgb::grey(0.7).into() }),
-        ("conductor", BsdfDescription::Conductor { fresnel: tint }),
-        ("rough_conductor", BsdfDescription::RoughConductor { alpha: 0.2.into(), fresnel: ior }),
-        ("dielectric", BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 }),
-        (
-            "rough_dielectric",
-            BsdfDescription::RoughDielectric { alpha: 0.2.into(), interior_ior: 1.5, exterior_ior: 1.0 },
-        ),
+        ("conductor", BsdfDescription::conductor(tint)),
+        ("rough_conductor", BsdfDescription::rough_conductor(0.2, ior)),
+        ("dielectric", BsdfDescription::dielectric(1.5, 1.0)),
+        ("rough_dielectric", BsdfDescription::rough_dielectric(0.2, 1.5, 1.0)),
     ];
     let mut random = Random::new(2, 0, 0);
     let from = DVec3::new(0.3, -0.4, 0.75_f64.sqrt());

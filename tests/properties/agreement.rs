@@ -42,9 +42,9 @@ fn assert_same(name: &str, a: &Film, b: &Film, power: f64) {
 fn roughened(mut scene: SceneDescription) -> SceneDescription {
     for material in &mut scene.materials {
         material.bsdf = match material.bsdf.clone() {
-            BsdfDescription::Conductor { fresnel } => BsdfDescription::RoughConductor { alpha: 0.4.into(), fresnel },
-            BsdfDescription::Dielectric { interior_ior, exterior_ior } => {
-                BsdfDescription::RoughDielectric { alpha: 0.5.into(), interior_ior, exterior_ior }
+            BsdfDescription::Conductor { fresnel, .. } => BsdfDescription::rough_conductor(0.4, fresnel),
+            BsdfDescription::Dielectric { interior_ior, exterior_ior, .. } => {
+                BsdfDescription::rough_dielectric(0.5, interior_ior, exterior_ior)
             }
             other => other,
         };

@@ -164,10 +164,10 @@ fn a_bias_of_one_percent_and_one_beside_the_lamp_are_named_and_an_honest_twin_is
 fn light_tracing_agrees_where_glass_is_seen_because_those_blocks_are_left_out_for_it_alone() {
     let film = FilmSize { width: 80, height: 48 };
     let mut description = scenes::enclosure(Rgb::WHITE, Rgb::grey(0.5), film);
-    let glass = pathspace::scene::description::BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 };
+    let glass = pathspace::scene::description::BsdfDescription::dielectric(1.5, 1.0);
     description.materials.push(scenes::material("glass", glass, Rgb::BLACK));
     let centre = glam::DVec3::new(-0.05, 0.0, 0.0);
-    let ball = pathspace::scene::description::Sphere { name: "ball".into(), centre, radius: 0.1, material: 1 };
+    let ball = pathspace::scene::description::Sphere::new("ball", centre, 0.1, 1);
     description.spheres.push(ball);
     let report = experiment(&description, &["path", "light", "path_bsdf"], 128, ReferencePolicy::None);
     assert_eq!(verdicts(&report), [("light", "path", "agree"), ("path_bsdf", "path", "agree")]);

@@ -21,11 +21,10 @@ fn cabinet(alpha: Option<f64>) -> (Scene, u32) {
     let smooth = |bsdf: &BsdfDescription| matches!(bsdf, BsdfDescription::Dielectric { .. });
     let glass =
         description.materials.iter().position(|material| smooth(&material.bsdf)).expect("the cabinet has glass");
-    if let (Some(alpha), BsdfDescription::Dielectric { interior_ior, exterior_ior }) =
+    if let (Some(alpha), BsdfDescription::Dielectric { interior_ior, exterior_ior, .. }) =
         (alpha, description.materials[glass].bsdf.clone())
     {
-        description.materials[glass].bsdf =
-            BsdfDescription::RoughDielectric { alpha: alpha.into(), interior_ior, exterior_ior };
+        description.materials[glass].bsdf = BsdfDescription::rough_dielectric(alpha, interior_ior, exterior_ior);
     }
     (scenes::build(&description), glass as u32)
 }

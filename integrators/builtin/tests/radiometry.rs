@@ -28,7 +28,14 @@ fn integrator(name: &str) -> Box<dyn Integrator> {
 
 fn sensor(position: DVec3, forward: DVec3, projection: Projection) -> SensorDescription {
     let right = forward.any_orthonormal_vector();
-    SensorDescription { name: "meter".into(), position, forward, up: right.cross(forward), projection }
+    SensorDescription {
+        name: "meter".into(),
+        position,
+        forward,
+        up: right.cross(forward),
+        projection,
+        window: SensorDescription::WHOLE,
+    }
 }
 
 /// Mean pixel in green, with its standard error.
@@ -80,7 +87,7 @@ fn with_square(mut scene: SceneDescription) -> SceneDescription {
 }
 
 fn with_sphere(mut scene: SceneDescription, centre: DVec3, radius: f64) -> SceneDescription {
-    scene.spheres.push(Sphere { name: "lamp".into(), centre, radius, material: 1 });
+    scene.spheres.push(Sphere::new("lamp", centre, radius, 1));
     scene
 }
 
@@ -114,7 +121,7 @@ fn irradiance_of_a_point_light_is_the_limit_of_spheres() {
     for radius in [0.3, 0.03, 0.003] {
         let radiance = intensity / (PI * radius * radius);
         let mut sphere = dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Hemisphere));
-        sphere.materials[1].emission = Rgb::grey(radiance);
+        sphere.materials[1].emission = Rgb::grey(radiance).into();
         meets("small sphere", &with_sphere(sphere, position, radius), PI, expected, &["light", "bdpt"]);
     }
     let floor = |lit: &dyn Fn(&mut SceneDescription)| {
@@ -130,8 +137,8 @@ fn irradiance_of_a_point_light_is_the_limit_of_spheres() {
         scene.lights.push(Light { name: "bulb".into(), kind });
     });
     let by_sphere = floor(&|scene| {
-        scene.materials[1].emission = Rgb::grey(intensity / (PI * 9e-6));
-        scene.spheres.push(Sphere { name: "lamp".into(), centre: position, radius: 0.003, material: 1 });
+        scene.materials[1].emission = Rgb::grey(intensity / (PI * 9e-6)).into();
+        scene.spheres.push(Sphere::new("lamp", position, 0.003, 1));
     });
     let error = by_point.1.hypot(by_sphere.1);
     assert!(error < 0.01 * by_point.0, "{by_point:?} {by_sphere:?}");

@@ -167,7 +167,14 @@ impl BsdfDescription {
             } => {
                 vec![texture]
             }
-            Self::Conductor { .. } | Self::Dielectric { .. } | Self::Null | Self::TwoSided { .. } => Vec::new(),
+            Self::Conductor { .. }
+            | Self::Dielectric { .. }
+            | Self::ThinDielectric { .. }
+            | Self::Plastic { .. }
+            | Self::RoughPlastic { .. }
+            | Self::Principled(_)
+            | Self::Null
+            | Self::TwoSided { .. } => Vec::new(),
         }
     }
 

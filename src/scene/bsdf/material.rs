@@ -147,15 +147,17 @@ impl Bsdf {
             BsdfDescription::Diffuse { reflectance } => {
                 Self::Diffuse(Diffuse { reflectance: source.share("reflectance", reflectance) })
             }
-            BsdfDescription::Conductor { fresnel } => Self::Conductor(Conductor { fresnel: source.fresnel(fresnel) }),
-            BsdfDescription::RoughConductor { alpha, fresnel } => Self::RoughConductor(RoughConductor {
+            BsdfDescription::Conductor { fresnel, .. } => {
+                Self::Conductor(Conductor { fresnel: source.fresnel(fresnel) })
+            }
+            BsdfDescription::RoughConductor { alpha, fresnel, .. } => Self::RoughConductor(RoughConductor {
                 distribution: Ggx::new(source.alpha(alpha, "conductor", "a smooth metal")),
                 fresnel: source.fresnel(fresnel),
             }),
-            BsdfDescription::Dielectric { interior_ior, exterior_ior } => {
+            BsdfDescription::Dielectric { interior_ior, exterior_ior, .. } => {
                 Self::Dielectric(Dielectric { interface: source.interface(*interior_ior, *exterior_ior) })
             }
-            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior } => {
+            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior, .. } => {
                 let alpha = source.alpha(alpha, "dielectric", "smooth glass");
                 let interface = source.interface(*interior_ior, *exterior_ior);
                 if alpha * interface.contrast().abs() < NARROWEST_REFRACTION {
@@ -164,7 +166,11 @@ impl Bsdf {
                     Self::RoughDielectric(RoughDielectric { distribution: Ggx::new(alpha), interface })
                 }
             }
-            BsdfDescription::Null
+            BsdfDescription::ThinDielectric { .. }
+            | BsdfDescription::Plastic { .. }
+            | BsdfDescription::RoughPlastic { .. }
+            | BsdfDescription::Principled(_)
+            | BsdfDescription::Null
             | BsdfDescription::TwoSided { .. }
             | BsdfDescription::Mask { .. }
             | BsdfDescription::Blend { .. }
@@ -230,12 +236,8 @@ mod tests {
     fn what_no_model_can_use_is_refused_by_name() {
         let tint = ConductorFresnel::Tint { specular_tint: Rgb::WHITE };
         let ior = |eta, k| ConductorFresnel::Ior { eta: Rgb::grey(eta), k: Rgb::new(1.0, k, 1.0) };
-        let metal = |alpha: f64| BsdfDescription::RoughConductor { alpha: alpha.into(), fresnel: tint.clone() };
-        let glass = |alpha: f64, interior_ior| BsdfDescription::RoughDielectric {
-            alpha: alpha.into(),
-            interior_ior,
-            exterior_ior: 1.0,
-        };
+        let metal = |alpha: f64| BsdfDescription::rough_conductor(alpha, tint.clone());
+        let glass = |alpha: f64, interior_ior| BsdfDescription::rough_dielectric(alpha, interior_ior, 1.0);
         for (description, expected) in [
             (
                 BsdfDescription::Diffuse { reflectance: Rgb::new(0.1, 1.5, 0.1).into() },
@@ -251,14 +253,8 @@ mod tests {
             (glass(1e-9, 1.5), "alpha = 0.000000001 is outside 1e-8 … 10: use `dielectric` for smooth glass"),
             (glass(0.1, 0.0), "interior_ior = 0 is outside 0.01 … 100"),
             (glass(0.1, f64::INFINITY), "interior_ior = inf is outside 0.01 … 100"),
-            (
-                BsdfDescription::Conductor { fresnel: ior(1.0, -0.5) },
-                "k = -0.5 in the green channel is outside 0 … 1e6",
-            ),
-            (
-                BsdfDescription::Conductor { fresnel: ior(-0.5, 1.0) },
-                "eta = -0.5 in the red channel is outside 0 … 1e6",
-            ),
+            (BsdfDescription::conductor(ior(1.0, -0.5)), "k = -0.5 in the green channel is outside 0 … 1e6"),
+            (BsdfDescription::conductor(ior(-0.5, 1.0)), "eta = -0.5 in the red channel is outside 0 … 1e6"),
         ] {
             assert_eq!(message(&description), expected);
         }
@@ -266,7 +262,7 @@ mod tests {
 
     #[test]
     fn equal_indices_make_no_interface() {
-        let glass = BsdfDescription::RoughDielectric { alpha: 0.5.into(), interior_ior: 1.3, exterior_ior: 1.3 };
+        let glass = BsdfDescription::rough_dielectric(0.5, 1.3, 1.3);
         let Ok(Bsdf::Dielectric(smooth)) = Bsdf::new(&glass) else { panic!("must become smooth") };
         assert_eq!(smooth.interface.fresnel(0.3).transmitted, 1.0);
         let from = DVec3::new(0.8, 0.0, 0.6);

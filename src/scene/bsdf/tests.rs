@@ -36,19 +36,19 @@ fn white() -> ConductorFresnel {
 }
 
 fn mirror(fresnel: ConductorFresnel) -> Bsdf {
-    Bsdf::new(&BsdfDescription::Conductor { fresnel }).unwrap()
+    Bsdf::new(&BsdfDescription::conductor(fresnel)).unwrap()
 }
 
 fn metal(alpha: f64, fresnel: ConductorFresnel) -> Bsdf {
-    Bsdf::new(&BsdfDescription::RoughConductor { alpha: alpha.into(), fresnel }).unwrap()
+    Bsdf::new(&BsdfDescription::rough_conductor(alpha, fresnel)).unwrap()
 }
 
 fn glass(interior_ior: f64) -> Bsdf {
-    Bsdf::new(&BsdfDescription::Dielectric { interior_ior, exterior_ior: 1.0 }).unwrap()
+    Bsdf::new(&BsdfDescription::dielectric(interior_ior, 1.0)).unwrap()
 }
 
 fn rough_glass(alpha: f64, interior_ior: f64) -> Bsdf {
-    Bsdf::new(&BsdfDescription::RoughDielectric { alpha: alpha.into(), interior_ior, exterior_ior: 1.0 }).unwrap()
+    Bsdf::new(&BsdfDescription::rough_dielectric(alpha, interior_ior, 1.0)).unwrap()
 }
 
 /// The unit vector with this cosine and azimuth.

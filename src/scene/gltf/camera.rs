@@ -77,7 +77,7 @@ fn read(document: &Document, placed: &Placed, camera: usize, name: String, tally
     }
     let projection = projection(found, &ours, &here)?;
     let position = placed.world.translation;
-    Ok((SensorDescription { name, position, forward, up, projection }, ours.film))
+    Ok((SensorDescription { name, position, forward, up, projection, window: SensorDescription::WHOLE }, ours.film))
 }
 
 fn projection(camera: &exact::Camera, ours: &CameraExtras, here: &str) -> Result<Projection, Fault> {

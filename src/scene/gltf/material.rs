@@ -104,7 +104,7 @@ fn read(material: &exact::Material, here: &str, index: usize, tally: &mut Tally)
             bsdf
         }
     };
-    Ok(Material { name, bsdf, two_sided, emission })
+    Ok(Material { name, bsdf, two_sided, emission: emission.into() })
 }
 
 /// `emissiveFactor · emissiveStrength` \[W/m²/sr\].
@@ -194,11 +194,8 @@ fn single_lobe(material: &exact::Material, here: &str) -> Result<(BsdfDescriptio
         let fresnel = ConductorFresnel::Tint { specular_tint: colour };
         // glTF's metal turns white at grazing angles, a constant tint does not.
         let exact = metallic == 1.0 && colour == Rgb::WHITE;
-        let conductor = if smooth {
-            BsdfDescription::Conductor { fresnel }
-        } else {
-            BsdfDescription::RoughConductor { alpha: alpha.into(), fresnel }
-        };
+        let conductor =
+            if smooth { BsdfDescription::conductor(fresnel) } else { BsdfDescription::rough_conductor(alpha, fresnel) };
         return Ok((conductor, exact));
     }
     if transmission >= 0.5 {
@@ -210,9 +207,9 @@ fn single_lobe(material: &exact::Material, here: &str) -> Result<(BsdfDescriptio
         let exact = transmission == 1.0 && metallic == 0.0 && colour == Rgb::WHITE && solid;
         let (interior_ior, exterior_ior) = (ior, 1.0);
         let dielectric = if smooth {
-            BsdfDescription::Dielectric { interior_ior, exterior_ior }
+            BsdfDescription::dielectric(interior_ior, exterior_ior)
         } else {
-            BsdfDescription::RoughDielectric { alpha: alpha.into(), interior_ior, exterior_ior }
+            BsdfDescription::rough_dielectric(alpha, interior_ior, exterior_ior)
         };
         return Ok((dielectric, exact));
     }

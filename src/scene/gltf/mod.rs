@@ -113,7 +113,7 @@ fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SceneD
         spheres: shapes.spheres,
         materials: shapes.materials,
         lights,
-        environment: ours.environment,
+        environment: ours.environment.map(Into::into),
         sensor,
         film: film.or(ours.film),
         render: ours.render.unwrap_or_default(),

@@ -127,7 +127,7 @@ fn read_sphere(
     };
     let material = materials.number(material, tally)?;
     let name = node.name.clone().unwrap_or_else(|| format!("node {}", placed.node));
-    Ok(Sphere { name, centre: placed.world.translation, radius, material })
+    Ok(Sphere::new(name, placed.world.translation, radius, material))
 }
 
 /// The factor by which a transform scales all lengths, where it does so up to the rounding of single precision.

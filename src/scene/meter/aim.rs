@@ -95,7 +95,14 @@ fn flux(quantity: &'static str, rectangle: Rectangle) -> Aim {
 }
 
 fn sensor(name: &str, position: DVec3, forward: DVec3, right: DVec3, projection: Projection) -> SensorDescription {
-    SensorDescription { name: name.into(), position, forward, up: right.cross(forward), projection }
+    SensorDescription {
+        name: name.into(),
+        position,
+        forward,
+        up: right.cross(forward),
+        projection,
+        window: SensorDescription::WHOLE,
+    }
 }
 
 /// The radiance of a point is a Dirac distribution.

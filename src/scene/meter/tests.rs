@@ -101,7 +101,7 @@ fn what_is_no_rectangle_is_refused() {
     triangle.triangles.pop();
     let mut folded = grid("folded", u, v, [1, 1], DVec3::ZERO);
     folded.triangles[1].reverse();
-    let ball = Sphere { name: "ball".into(), centre: DVec3::ZERO, radius: 1.0, material: 0 };
+    let ball = Sphere::new("ball", DVec3::ZERO, 1.0, 0);
     let meshes = vec![
         triangle,
         folded,
@@ -148,7 +148,7 @@ fn quantities_without_a_value_are_refused() {
     let kind = LightKind::Point { position: DVec3::Y * 2.0, intensity: Rgb::WHITE };
     let lights = vec![Light { name: "bulb".into(), kind }];
     let lit = SceneDescription { lights, ..SceneDescription::default() };
-    let open = SceneDescription { environment: Some(Rgb::WHITE), ..SceneDescription::default() };
+    let open = SceneDescription { environment: Some(Rgb::WHITE.into()), ..SceneDescription::default() };
     for (text, scene, words) in [
         ("radiance:0,0,0:0,1,0", &lit, "the point light 'bulb'"),
         ("intensity:0,1,0", &lit, "the light 'bulb' has no surface"),

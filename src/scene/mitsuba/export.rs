@@ -8,7 +8,7 @@ use super::material::Materials;
 use super::xml::Element;
 use super::{ply, sensor};
 use crate::geometry::Frame;
-use crate::scene::description::{FilmSize, Light, LightKind, Mesh, SceneDescription, Sphere};
+use crate::scene::description::{EnvironmentDescription, FilmSize, Light, LightKind, Mesh, SceneDescription, Sphere};
 use crate::spectrum::Rgb;
 
 /// What the XML file says beyond the scene. A run of Mitsuba may override the integrator and the number of samples.
@@ -67,7 +67,7 @@ pub fn export(scene: &SceneDescription, options: &ExportOptions, folder: &Path) 
     for light in &scene.lights {
         root = root.child(emitter(scene, light)?);
     }
-    if let Some(radiance) = scene.environment {
+    if let Some(EnvironmentDescription::Constant(radiance)) = scene.environment {
         check_power(scene, "environment", radiance)?;
         root = root.child(Element::plugin("emitter", "constant").rgb("radiance", radiance));
     }
@@ -106,11 +106,11 @@ fn with_material(scene: &SceneDescription, shape: Element, index: usize, place: 
         return Err(ExportError::invalid(&scene.name, place, problem));
     };
     let shape = shape.child(Element::new("ref").with("id", material_id(index)));
-    if material.emission.is_black() {
+    let Some(&emission) = material.emission.constant().filter(|_| material.emits()) else {
         return Ok(shape);
-    }
-    check_power(scene, &format!("material '{}'", material.name), material.emission)?;
-    Ok(shape.child(Element::plugin("emitter", "area").rgb("radiance", material.emission)))
+    };
+    check_power(scene, &format!("material '{}'", material.name), emission)?;
+    Ok(shape.child(Element::plugin("emitter", "area").rgb("radiance", emission)))
 }
 
 fn emitter(scene: &SceneDescription, light: &Light) -> Result<Element, ExportError> {
@@ -135,6 +135,9 @@ fn emitter(scene: &SceneDescription, light: &Light) -> Result<Element, ExportErr
                 .float("cutoff_angle", outer_angle.to_degrees())
                 .float("beam_width", inner_angle.to_degrees())
                 .frame(frame.x, frame.y, frame.z, position))
+        }
+        LightKind::Projector { .. } => {
+            Err(ExportError::unsupported(&scene.name, place, "projectors yet", "choose another light"))
         }
         LightKind::Directional { direction, irradiance } => {
             check_power(scene, &place, irradiance)?;

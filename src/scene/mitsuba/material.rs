@@ -38,18 +38,24 @@ impl<'a> Materials<'a> {
             BsdfDescription::Diffuse { reflectance } => {
                 self.share(Element::plugin("bsdf", "diffuse"), "reflectance", reflectance, place)?
             }
-            BsdfDescription::Conductor { fresnel } => {
+            BsdfDescription::Conductor { fresnel, .. } => {
                 self.conductor(place, Element::plugin("bsdf", "conductor"), fresnel)?
             }
-            BsdfDescription::RoughConductor { alpha, fresnel } => {
+            BsdfDescription::RoughConductor { alpha, fresnel, .. } => {
                 let rough = self.rough("roughconductor", alpha, place)?;
                 self.conductor(place, rough, fresnel)?
             }
-            BsdfDescription::Dielectric { interior_ior, exterior_ior } => {
+            BsdfDescription::Dielectric { interior_ior, exterior_ior, .. } => {
                 dielectric(Element::plugin("bsdf", "dielectric"), *interior_ior, *exterior_ior)
             }
-            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior } => {
+            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior, .. } => {
                 dielectric(self.rough("roughdielectric", alpha, place)?, *interior_ior, *exterior_ior)
+            }
+            BsdfDescription::ThinDielectric { .. }
+            | BsdfDescription::Plastic { .. }
+            | BsdfDescription::RoughPlastic { .. }
+            | BsdfDescription::Principled(_) => {
+                return Err(ExportError::unsupported(&self.scene.name, place, "this model yet", "choose another"));
             }
             BsdfDescription::Null => Element::plugin("bsdf", "null"),
             BsdfDescription::TwoSided { front, back } => {

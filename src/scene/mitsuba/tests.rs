@@ -78,6 +78,7 @@ fn exported(scene: &SceneDescription, options: &ExportOptions) -> Result<Node, E
 
 fn camera(projection: Projection) -> SensorDescription {
     SensorDescription {
+        window: SensorDescription::WHOLE,
         name: "view".into(),
         position: DVec3::new(0.1, 1.0 / 3.0, -1e-7),
         forward: DVec3::new(FRAC_1_SQRT_2, 0.0, -FRAC_1_SQRT_2),
@@ -91,7 +92,7 @@ fn perspective(aspect: Option<f64>) -> Projection {
 }
 
 fn material(bsdf: BsdfDescription, two_sided: bool) -> Material {
-    Material { name: "m".into(), bsdf, two_sided, emission: Rgb::BLACK }
+    Material { name: "m".into(), bsdf, two_sided, emission: Rgb::BLACK.into() }
 }
 
 fn grey() -> Material {
@@ -122,8 +123,8 @@ proptest! {
     fn numbers_keep_every_digit(v in prop::array::uniform7(prop::num::f64::NORMAL)) {
         let mut scene = scene();
         let centre = DVec3::new(v[0], v[1], v[2]);
-        scene.spheres.push(Sphere { name: "s".into(), centre, radius: v[3], material: 0 });
-        scene.environment = Some(Rgb::new(v[4], v[5], v[6]).map(f64::abs));
+        scene.spheres.push(Sphere::new("s", centre, v[3], 0));
+        scene.environment = Some(Rgb::new(v[4], v[5], v[6]).map(f64::abs).into());
         let root = exported(&scene, &ExportOptions::default()).unwrap();
         let sphere = root.all("shape")[0];
         prop_assert_eq!(sphere.numbers("center"), &v[..3]);
@@ -182,11 +183,11 @@ fn meshes_are_flat_exactly_where_they_have_no_normals() {
 #[test]
 fn opaque_two_sided_materials_are_wrapped_and_glass_is_not() {
     let fresnel = ConductorFresnel::Tint { specular_tint: Rgb::grey(0.9) };
-    let glass = BsdfDescription::RoughDielectric { alpha: 0.1.into(), interior_ior: 1.5, exterior_ior: 1.0 };
+    let glass = BsdfDescription::rough_dielectric(0.1, 1.5, 1.0);
     let mut scene = scene();
     scene.materials = vec![
-        material(BsdfDescription::RoughConductor { alpha: 0.2.into(), fresnel: fresnel.clone() }, true),
-        material(BsdfDescription::Conductor { fresnel }, false),
+        material(BsdfDescription::rough_conductor(0.2, fresnel.clone()), true),
+        material(BsdfDescription::conductor(fresnel), false),
         material(glass, true),
     ];
     let root = exported(&scene, &ExportOptions::default()).unwrap();
@@ -248,7 +249,7 @@ fn what_cannot_be_right_is_refused_in_one_line() {
         ("vertex", |s| s.meshes[0].triangles[0][1] = 3),
         ("normals", |s| s.meshes[0].normals = Some(vec![DVec3::Z])),
         ("position", |s| s.meshes[0].positions[0].x = f64::NAN),
-        ("emits", |s| s.materials[0].emission = Rgb::new(1.0, f64::INFINITY, 0.0)),
+        ("emits", |s| s.materials[0].emission = Rgb::new(1.0, f64::INFINITY, 0.0).into()),
         ("reflectance", |s| s.materials[0].bsdf = BsdfDescription::Diffuse { reflectance: Rgb::grey(1.5).into() }),
     ];
     for (word, change) in changes {

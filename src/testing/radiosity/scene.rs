@@ -86,7 +86,7 @@ impl DiffuseScene {
                 reflectance,
                 emission,
             };
-            facets.push(side([a, b, c], normal, material.emission * PI));
+            facets.push(side([a, b, c], normal, *material.emission.constant().unwrap_or(&Rgb::BLACK) * PI));
             if material.two_sided {
                 facets.push(side([a, c, b], -normal, Rgb::BLACK));
             }

@@ -190,13 +190,9 @@ fn what_is_not_diffuse_is_refused_by_name() {
     let cases: [(&str, Change); 6] = [
         ("sphere 'metal ball'", &|d| d.spheres = cabinet.spheres.clone()),
         ("light 'point'", &|d| d.lights = cabinet.lights.clone()),
-        ("environment", &|d| d.environment = Some(Rgb::WHITE)),
+        ("environment", &|d| d.environment = Some(Rgb::WHITE.into())),
         ("material 'glass'", &|d| {
-            d.materials[0] = scenes::material(
-                "glass",
-                BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 },
-                Rgb::BLACK,
-            );
+            d.materials[0] = scenes::material("glass", BsdfDescription::dielectric(1.5, 1.0), Rgb::BLACK);
         }),
         ("mesh 'lower'", &|d| d.meshes[0].normals = Some(vec![DVec3::new(0.6, 0.8, 0.0); 4])),
         ("camera 'camera'", &|d| d.sensor = d.sensor.clone().map(|s| scenes::with_lens(s, 0.1, 1.0))),

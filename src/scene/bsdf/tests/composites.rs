@@ -86,11 +86,11 @@ fn matt() -> Box<BsdfDescription> {
 }
 
 fn shiny() -> Box<BsdfDescription> {
-    Box::new(BsdfDescription::RoughConductor { alpha: Parameter::Texture(grey([0.1, 0.3, 0.2, 0.6])), fresnel: gold() })
+    Box::new(BsdfDescription::rough_conductor(Parameter::Texture(grey([0.1, 0.3, 0.2, 0.6])), gold()))
 }
 
 fn mirror_and_matt() -> Box<BsdfDescription> {
-    let mirror = Box::new(BsdfDescription::Conductor { fresnel: gold() });
+    let mirror = Box::new(BsdfDescription::conductor(gold()));
     Box::new(BsdfDescription::Blend { weight: 0.4.into(), first: mirror, second: matt() })
 }
 
@@ -101,7 +101,7 @@ fn turned(nested: Box<BsdfDescription>) -> BsdfDescription {
 
 /// Each composite, over models with finite and with Dirac lobes.
 pub(super) fn all() -> Vec<Bsdf> {
-    let glass = || Box::new(BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 });
+    let glass = || Box::new(BsdfDescription::dielectric(1.5, 1.0));
     let opacity = Parameter::Texture(grey([0.9, 0.3, 0.5, 0.6]));
     let bump = NormalSource::Bump { texture: grey([0.0, 0.4, 0.2, 0.1]), scale: 0.3 };
     [
@@ -159,7 +159,7 @@ fn a_flat_normal_map_and_a_flat_bump_change_nothing() {
 #[test]
 fn a_bump_turns_the_normal_against_the_slope() {
     let bump = NormalSource::Bump { texture: grey([0.0, 0.5, 0.0, 0.5]), scale: 0.4 };
-    let mirror = Box::new(BsdfDescription::Conductor { fresnel: white() });
+    let mirror = Box::new(BsdfDescription::conductor(white()));
     let turned = pinned(&BsdfDescription::Perturbed { normal: bump, nested: mirror });
     // Between the columns the height rises by 0.5 · 0.4 over half of u, whose tangent has length two: a slope of 0.2.
     let normal = DVec3::new(-0.2, 0.0, 1.0);
@@ -173,7 +173,7 @@ fn a_bump_turns_the_normal_against_the_slope() {
 
 #[test]
 fn what_cannot_be_told_apart_is_refused() {
-    let glass = |interior_ior| Box::new(BsdfDescription::Dielectric { interior_ior, exterior_ior: 1.0 });
+    let glass = |interior_ior| Box::new(BsdfDescription::dielectric(interior_ior, 1.0));
     let blend = BsdfDescription::Blend { weight: 0.5.into(), first: glass(1.3), second: glass(1.5) };
     assert!(Composite::new(&blend).unwrap_err().to_string().contains("two smooth glasses"));
     let two_sided = BsdfDescription::TwoSided { front: glass(1.5), back: matt() };

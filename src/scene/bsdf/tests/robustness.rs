@@ -42,13 +42,12 @@ fn fresnel() -> impl Strategy<Value = ConductorFresnel> {
 fn any_bsdf() -> impl Strategy<Value = Bsdf> {
     prop_oneof![
         (0.0..=1.0_f64).prop_map(|r| BsdfDescription::Diffuse { reflectance: Rgb::new(r, 0.0, 1.0).into() }),
-        fresnel().prop_map(|fresnel| BsdfDescription::Conductor { fresnel }),
-        (roughness(), fresnel())
-            .prop_map(|(alpha, fresnel)| BsdfDescription::RoughConductor { alpha: alpha.into(), fresnel }),
+        fresnel().prop_map(|fresnel| BsdfDescription::conductor(fresnel)),
+        (roughness(), fresnel()).prop_map(|(alpha, fresnel)| BsdfDescription::rough_conductor(alpha, fresnel)),
         (index(), index())
-            .prop_map(|(interior_ior, exterior_ior)| BsdfDescription::Dielectric { interior_ior, exterior_ior }),
+            .prop_map(|(interior_ior, exterior_ior)| BsdfDescription::dielectric(interior_ior, exterior_ior)),
         (roughness(), index(), index()).prop_map(|(alpha, interior_ior, exterior_ior)| {
-            BsdfDescription::RoughDielectric { alpha: alpha.into(), interior_ior, exterior_ior }
+            BsdfDescription::rough_dielectric(alpha, interior_ior, exterior_ior)
         }),
     ]
     .prop_map(|description| Bsdf::new(&description).unwrap())

@@ -23,7 +23,7 @@ fn scenes_say_environment_film_length_and_reference() {
         "reference": {"image": {"file": "reference.exr", "max_length": 8}},
     })))
     .unwrap();
-    assert_eq!(scene.environment, Some(Rgb::new(1.0, 2.0, 3.0)));
+    assert_eq!(scene.environment, Some(Rgb::new(1.0, 2.0, 3.0).into()));
     assert_eq!(scene.film, Some(FilmSize { width: 64, height: 32 }));
     assert_eq!(scene.render, RenderHints { max_length: Some(8) });
     let file = PathBuf::from("reference.exr");

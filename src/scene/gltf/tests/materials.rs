@@ -29,7 +29,7 @@ fn rough_non_metals_are_diffuse_without_a_warning() {
     assert_eq!(material.bsdf, BsdfDescription::Diffuse { reflectance: Rgb::new(0.6, 0.1, 0.2).into() });
     assert_eq!(
         (material.name.as_str(), material.two_sided, material.emission, warnings),
-        ("red", false, Rgb::BLACK, 0)
+        ("red", false, Rgb::BLACK.into(), 0)
     );
     let (_, warnings) = read(json!({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.5}}));
     assert_eq!(warnings, 1);
@@ -41,17 +41,14 @@ fn metals_are_tinted_conductors() {
         let factors = json!({"baseColorFactor": [0.9, 0.8, 0.7, 1], "roughnessFactor": roughness});
         read(json!({"pbrMetallicRoughness": factors})).0.bsdf
     };
-    assert_eq!(metal(0.5), BsdfDescription::RoughConductor { alpha: 0.25.into(), fresnel: tint(0.9, 0.8, 0.7) });
-    assert_eq!(metal(0.009), BsdfDescription::Conductor { fresnel: tint(0.9, 0.8, 0.7) });
+    assert_eq!(metal(0.5), BsdfDescription::rough_conductor(0.25, tint(0.9, 0.8, 0.7)));
+    assert_eq!(metal(0.009), BsdfDescription::conductor(tint(0.9, 0.8, 0.7)));
 }
 
 #[test]
 fn without_a_material_the_default_one_is_taken() {
     let scene = read_json(&triangle()).unwrap();
-    assert_eq!(
-        scene.materials[0].bsdf,
-        BsdfDescription::RoughConductor { alpha: 1.0.into(), fresnel: tint(1.0, 1.0, 1.0) }
-    );
+    assert_eq!(scene.materials[0].bsdf, BsdfDescription::rough_conductor(1.0, tint(1.0, 1.0, 1.0)));
     assert!(scene.warnings.is_empty());
 }
 
@@ -62,8 +59,8 @@ fn transmission_makes_a_dielectric() {
         let extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": ior});
         read(json!({"pbrMetallicRoughness": factors, "extensions": extensions})).0.bsdf
     };
-    assert_eq!(glass(0.0, json!({})), BsdfDescription::Dielectric { interior_ior: 1.5, exterior_ior: 1.0 });
-    let rough = BsdfDescription::RoughDielectric { alpha: 0.25.into(), interior_ior: 1.3, exterior_ior: 1.0 };
+    assert_eq!(glass(0.0, json!({})), BsdfDescription::dielectric(1.5, 1.0));
+    let rough = BsdfDescription::rough_dielectric(0.25, 1.3, 1.0);
     assert_eq!(glass(0.5, json!({"ior": 1.3})), rough);
 }
 
@@ -73,7 +70,7 @@ fn emission_is_factor_times_strength() {
         "emissiveFactor": [1, 0.5, 0.25], "doubleSided": true,
         "extensions": {"KHR_materials_emissive_strength": {"emissiveStrength": 8}},
     }));
-    assert_eq!(material.emission, Rgb::new(8.0, 4.0, 2.0));
+    assert_eq!(material.emission, Rgb::new(8.0, 4.0, 2.0).into());
     assert!(material.two_sided);
     assert_eq!(warnings, 1);
 }
@@ -145,8 +142,8 @@ fn exact_models_in_extras_replace_gltfs() {
         }},
     }));
     let fresnel = ConductorFresnel::Ior { eta: Rgb::new(0.2, 0.9, 1.1), k: Rgb::new(3.9, 2.4, 2.2) };
-    assert_eq!(material.bsdf, BsdfDescription::RoughConductor { alpha: 0.1.into(), fresnel });
-    assert_eq!((material.emission, material.two_sided, warnings), (Rgb::BLACK, false, 0));
+    assert_eq!(material.bsdf, BsdfDescription::rough_conductor(0.1, fresnel));
+    assert_eq!((material.emission, material.two_sided, warnings), (Rgb::BLACK.into(), false, 0));
 }
 
 #[test]

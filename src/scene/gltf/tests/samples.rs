@@ -193,6 +193,7 @@ fn easy_gltf_cube_has_three_kinds_of_light_and_a_camera() {
             LightKind::Point { .. } => "point",
             LightKind::Spot { .. } => "spot",
             LightKind::Directional { .. } => "directional",
+            LightKind::Projector { .. } => "projector",
         })
         .collect();
     assert_eq!(kinds, ["point", "directional", "spot"]);

@@ -49,7 +49,7 @@ fn cabinet(lamp: Plate, window: Plate) -> SceneDescription {
     let mut scene = scenes::cabinet(FilmSize { width: 1, height: 1 });
     scene.lights.clear();
     scene.meshes.retain(|mesh| mesh.name != "lamp");
-    scene.materials.iter_mut().for_each(|material| material.emission = Rgb::BLACK);
+    scene.materials.iter_mut().for_each(|material| material.emission = Rgb::BLACK.into());
     let emitting = scene.materials.len();
     scene.materials.push(scenes::diffuse("emitting", Rgb::BLACK, Rgb::WHITE));
     let corner = lamp.centre - lamp.u - lamp.v;
@@ -57,6 +57,7 @@ fn cabinet(lamp: Plate, window: Plate) -> SceneDescription {
     scene.meshes.push(scenes::rectangle("lamp", corner, 2.0 * lamp.u, 2.0 * lamp.v, emitting));
     let (up, forward) = (window.v.normalize(), window.normal());
     scene.sensor = Some(SensorDescription {
+        window: SensorDescription::WHOLE,
         name: "window".into(),
         position: window.centre,
         forward,

@@ -1,0 +1,87 @@
+//! Lights without a surface.
+
+use std::sync::Arc;
+
+use glam::{DMat3, DVec3};
+
+use crate::scene::texture::Bitmap;
+use crate::spectrum::Rgb;
+
+/// A light without a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Light {
+    /// Name in the file, for messages.
+    pub name: String,
+    /// What it is.
+    pub kind: LightKind,
+}
+
+/// Kinds of light without a surface. Photometric units of a file are read as radiometric ones, without the factor 683.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightKind {
+    /// Shines from one point, equally in all directions.
+    Point {
+        /// Where \[m\].
+        position: DVec3,
+        /// Intensity \[W/sr\].
+        intensity: Rgb,
+    },
+    /// Shines from one point into a cone. Intensity falls off linearly in the *angle*, from the inner to the outer cone.
+    Spot {
+        /// Where \[m\].
+        position: DVec3,
+        /// Axis of the cone, of length one.
+        direction: DVec3,
+        /// Intensity on the axis \[W/sr\].
+        intensity: Rgb,
+        /// Angle from the axis up to which the intensity is full \[rad\].
+        inner_angle: f64,
+        /// Angle from the axis from which it is dark \[rad\], above the inner one and at most π/2.
+        outer_angle: f64,
+    },
+    /// Shines in one direction from infinitely far away.
+    Directional {
+        /// Where the light goes, of length one.
+        direction: DVec3,
+        /// Irradiance on a surface that faces it \[W/m²\].
+        irradiance: Rgb,
+    },
+    /// Shines an image from one point, as a pinhole camera would take it.
+    Projector {
+        /// Where \[m\].
+        position: DVec3,
+        /// Axis, of length one.
+        forward: DVec3,
+        /// Towards the top of the image, of length one and at right angles to the axis.
+        up: DVec3,
+        /// Full horizontal field of view \[rad\].
+        horizontal_fov: f64,
+        /// The image: intensity on the axis's plane at distance one, `I(ω) = scale · image / cos³θ` of the pixel where ω
+        /// meets that plane \[W/sr\].
+        image: Arc<Bitmap>,
+        /// Factor of the image.
+        scale: Rgb,
+    },
+}
+
+/// Radiance from infinitely far away \[W/m²/sr\].
+#[derive(Clone, Debug, PartialEq)]
+pub enum EnvironmentDescription {
+    /// The same from everywhere.
+    Constant(Rgb),
+    /// An image over all directions, by longitude and latitude.
+    Map {
+        /// The image; its first row is the pole +y of `to_world`, the middle of a row is where −z points.
+        bitmap: Arc<Bitmap>,
+        /// Factor.
+        scale: f64,
+        /// From the image's frame to the world, a rotation or a reflection.
+        to_world: DMat3,
+    },
+}
+
+impl From<Rgb> for EnvironmentDescription {
+    fn from(radiance: Rgb) -> Self {
+        Self::Constant(radiance)
+    }
+}

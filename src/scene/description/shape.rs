@@ -1,0 +1,114 @@
+//! Surfaces as geometry: what is where.
+
+use glam::{DMat3, DVec3, Vec2};
+
+/// A triangle mesh in world coordinates.
+#[derive(Clone, Debug, Default)]
+pub struct Mesh {
+    /// Name in the file, for messages.
+    pub name: String,
+    /// Vertex positions \[m\].
+    pub positions: Vec<DVec3>,
+    /// Unit shading normals, one per vertex, where the file has them.
+    pub normals: Option<Vec<DVec3>>,
+    /// Texture coordinates, one per vertex, where the file has them.
+    pub texcoords: Option<Vec<Vec2>>,
+    /// What else the file says of vertices or faces, for textures.
+    pub attributes: Vec<Attribute>,
+    /// Vertex indices, counter-clockwise seen from the front.
+    pub triangles: Vec<[u32; 3]>,
+    /// Index into [`SceneDescription::materials`](super::SceneDescription::materials).
+    pub material: usize,
+}
+
+/// Values that a mesh has at its vertices or faces.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attribute {
+    /// What textures call it.
+    pub name: String,
+    /// One for each triangle rather than for each vertex.
+    pub per_face: bool,
+    /// Numbers in a value: 1, 3 or 4.
+    pub channels: usize,
+    /// The values, one after the other.
+    pub values: Vec<f32>,
+}
+
+impl Attribute {
+    /// Of a vertex, or of a triangle.
+    #[must_use]
+    pub fn value(&self, index: usize) -> &[f32] {
+        &self.values[index * self.channels..][..self.channels]
+    }
+
+    /// At the corners of a triangle: linear RGB and opacity; what has one channel is grey.
+    #[must_use]
+    pub fn corners(&self, triangle: usize, vertices: [u32; 3]) -> [[f32; 4]; 3] {
+        let at = |index: usize| match *self.value(index) {
+            [x] => [x, x, x, 1.0],
+            [r, g, b] => [r, g, b, 1.0],
+            [r, g, b, a] => [r, g, b, a],
+            _ => [0.0, 0.0, 0.0, 1.0],
+        };
+        if self.per_face { [at(triangle); 3] } else { vertices.map(|i| at(i as usize)) }
+    }
+}
+
+/// An analytic sphere.
+#[derive(Clone, Debug)]
+pub struct Sphere {
+    /// Name in the file, for messages.
+    pub name: String,
+    /// Centre \[m\].
+    pub centre: DVec3,
+    /// Radius \[m\], positive.
+    pub radius: f64,
+    /// Unit vectors at right angles: its pole is the third, its meridian u = 0 goes through the first.
+    pub axes: DMat3,
+    /// Its front is the inside.
+    pub inward: bool,
+    /// Index into [`SceneDescription::materials`](super::SceneDescription::materials).
+    pub material: usize,
+}
+
+impl Sphere {
+    /// With the pole along z and its front outside.
+    #[must_use]
+    pub fn new(name: impl Into<String>, centre: DVec3, radius: f64, material: usize) -> Self {
+        Self { name: name.into(), centre, radius, axes: DMat3::IDENTITY, inward: false, material }
+    }
+}
+
+/// An analytic disk, or an ellipse: all `centre + x axes[0] + y axes[1]` with `x² + y² ≤ 1`.
+#[derive(Clone, Debug)]
+pub struct Disk {
+    /// Name in the file, for messages.
+    pub name: String,
+    /// Centre \[m\].
+    pub centre: DVec3,
+    /// Where (1, 0) and (0, 1) are, relative to the centre \[m\]; its front is where their cross product points. As texture
+    /// coordinates, u is the distance √(x² + y²) and v the angle from the first over 2π.
+    pub axes: [DVec3; 2],
+    /// Index into [`SceneDescription::materials`](super::SceneDescription::materials).
+    pub material: usize,
+}
+
+/// An analytic cylinder without its ends.
+#[derive(Clone, Debug)]
+pub struct Cylinder {
+    /// Name in the file, for messages.
+    pub name: String,
+    /// Centre of the circle at v = 0 \[m\].
+    pub base: DVec3,
+    /// From there to the centre of the circle at v = 1 \[m\].
+    pub axis: DVec3,
+    /// Radius \[m\], positive.
+    pub radius: f64,
+    /// Unit vector at right angles to the axis, along which u = 0; u is the angle from there over 2π, counter-clockwise
+    /// around the axis.
+    pub meridian: DVec3,
+    /// Its front is the inside.
+    pub inward: bool,
+    /// Index into [`SceneDescription::materials`](super::SceneDescription::materials).
+    pub material: usize,
+}
