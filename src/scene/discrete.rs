@@ -45,8 +45,14 @@ impl Discrete {
     #[must_use]
     #[inline]
     pub fn probability(&self, index: usize) -> Probability {
-        let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
-        Probability::new(self.cumulative[index] - below)
+        Probability::new(self.cumulative[index] - self.below(index))
+    }
+
+    /// The probability of all choices before one.
+    #[must_use]
+    #[inline]
+    pub fn below(&self, index: usize) -> f64 {
+        if index == 0 { 0.0 } else { self.cumulative[index - 1] }
     }
 
     /// Number of choices.
