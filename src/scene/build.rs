@@ -92,6 +92,7 @@ struct Builder<'a> {
 impl Builder<'_> {
     fn build(mut self) -> Result<(Scene, Vec<String>), BuildError> {
         self.check_shapes()?;
+        self.check_lights()?;
         let materials = self.description.materials.iter().map(|m| self.material(m)).collect::<Result<Vec<_>, _>>()?;
         let geometry = bounds(self.description);
         let camera = self.camera(geometry)?;
@@ -111,7 +112,7 @@ impl Builder<'_> {
             LightSelection::Uniform => 1.0,
         }));
         let choice = choice.ok_or_else(|| self.invalid("lights", "a flux that is not finite: check the emission"))?;
-        let environment = emitters.iter().position(|e| matches!(e, Emitter::Environment(_)));
+        let environment = emitters.iter().position(Emitter::is_environment);
         let names = self.names(&shapes);
         let scene = Scene {
             name: self.description.name.clone(),

@@ -213,6 +213,7 @@ impl Scene {
     fn environment_beyond(&self, ray: &Ray) -> Option<Vertex> {
         match self.emitter(self.environment?) {
             Emitter::Environment(environment) => Some(environment.beyond(ray.origin, ray.direction)),
+            Emitter::EnvironmentMap(map) => Some(map.beyond(ray.origin, ray.direction)),
             _ => None,
         }
     }

@@ -14,7 +14,7 @@ use crate::scene::texture::{Parameter, Texture};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
 
-pub use shapes::{lanterns, patches};
+pub use shapes::{lanterns, observatory, patches};
 
 /// A rectangle with corners `origin`, `origin + u`, `origin + u + v`, `origin + v`; its front is where u × v points.
 #[must_use]

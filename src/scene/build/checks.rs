@@ -1,9 +1,11 @@
 //! What makes no sense, told with its name and a remedy.
 
-use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, PI};
 
-use crate::scene::description::{Cylinder, Disk, Material, Sphere};
-use crate::scene::texture::{Texels, Texture};
+use glam::{DMat3, DVec3};
+
+use crate::scene::description::{Cylinder, Disk, LightKind, Material, Sphere};
+use crate::scene::texture::{Bitmap, Texels, Texture};
 
 use super::{BuildError, Builder};
 
@@ -22,6 +24,16 @@ fn is_positive(x: f64) -> bool {
     x > 0.0 && x.is_finite()
 }
 
+fn is_orthonormal(axes: &DMat3) -> bool {
+    let difference = (axes.transpose() * *axes - DMat3::IDENTITY).to_cols_array();
+    difference.iter().all(|x| x.abs() <= RIGHT_ANGLE)
+}
+
+fn bad_pixel(bitmap: &Bitmap, index: usize) -> String {
+    let (x, y) = (index % bitmap.width as usize, index / bitmap.width as usize);
+    format!("pixel {x},{y} of its image '{}' is not finite; repair the image", bitmap.name)
+}
+
 fn sphere(sphere: &Sphere) -> Option<String> {
     let axes = sphere.axes;
     if !sphere.centre.is_finite() {
@@ -30,9 +42,8 @@ fn sphere(sphere: &Sphere) -> Option<String> {
     if !is_positive(sphere.radius) {
         return Some(format!("its radius is {}; give a positive number", sphere.radius));
     }
-    let orthonormal = (axes.transpose() * axes - glam::DMat3::IDENTITY).to_cols_array();
-    let far = orthonormal.iter().any(|x| x.is_nan() || x.abs() > RIGHT_ANGLE);
-    far.then(|| "its axes are not three unit vectors at right angles; scale it evenly and shear it not at all".into())
+    (!is_orthonormal(&axes))
+        .then(|| "its axes are not three unit vectors at right angles; scale it evenly and shear it not at all".into())
 }
 
 fn disk(disk: &Disk) -> Option<String> {
@@ -74,6 +85,55 @@ impl Builder<'_> {
             Some((kind, name, problem)) => Err(self.invalid(&format!("{kind} '{name}'"), &problem)),
             None => Ok(()),
         }
+    }
+
+    pub(super) fn check_lights(&self) -> Result<(), BuildError> {
+        let problem = |kind: &LightKind| {
+            let (values, directions, problem) = match kind {
+                LightKind::Point { intensity, .. } => (*intensity, vec![], None),
+                LightKind::Spot { direction, intensity, inner_angle, outer_angle, .. } => {
+                    let ordered = (0.0..=*outer_angle).contains(inner_angle) && *outer_angle <= FRAC_PI_2;
+                    let problem = format!(
+                        "its cones have {inner_angle} and {outer_angle} rad; the inner must not exceed the outer, nor that π/2"
+                    );
+                    (*intensity, vec![*direction], (!ordered || *outer_angle <= 0.0).then_some(problem))
+                }
+                LightKind::Directional { direction, irradiance } => (*irradiance, vec![*direction], None),
+                LightKind::Projector { forward, up, horizontal_fov, image, scale, .. } => {
+                    let problem = if !(*horizontal_fov > 0.0 && *horizontal_fov < PI) {
+                        Some(format!("its field of view is {horizontal_fov} rad; give an angle between 0 and π"))
+                    } else if !at_right_angles(*forward, *up) {
+                        Some("the top of its image is not at right angles to its axis; turn it".into())
+                    } else {
+                        not_finite_image(&image.texels).map(|i| bad_pixel(image, i))
+                    };
+                    (*scale, vec![*forward, *up], problem)
+                }
+            };
+            let emits = values.to_array().iter().all(|c| (0.0..f64::INFINITY).contains(c));
+            let unit = directions.iter().all(|d| (d.length() - 1.0).abs() <= RIGHT_ANGLE);
+            problem
+                .or_else(|| (!unit).then(|| "its directions are not of length one; give unit vectors".into()))
+                .or_else(|| {
+                    (!emits)
+                        .then(|| format!("it emits {:?}; give finite values that are not negative", values.to_array()))
+                })
+        };
+        match self.description.lights.iter().find_map(|light| Some((light, problem(&light.kind)?))) {
+            Some((light, problem)) => Err(self.invalid(&format!("light '{}'", light.name), &problem)),
+            None => Ok(()),
+        }
+    }
+
+    pub(super) fn check_environment(&self, bitmap: &Bitmap, scale: f64, to_world: &DMat3) -> Result<(), BuildError> {
+        let problem = if !(0.0..f64::INFINITY).contains(&scale) {
+            Some(format!("its scale is {scale}; give a finite number that is not negative"))
+        } else if !is_orthonormal(to_world) {
+            Some("its transform is no rotation; neither scale nor shear it".into())
+        } else {
+            not_finite_image(&bitmap.texels).map(|i| bad_pixel(bitmap, i))
+        };
+        problem.map_or(Ok(()), |problem| Err(self.invalid("environment", &problem)))
     }
 
     pub(super) fn check_emission(&self, material: &Material) -> Result<(), BuildError> {

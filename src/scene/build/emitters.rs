@@ -7,7 +7,9 @@ use glam::DVec3;
 use crate::scene::accel::{Accel, PrimitiveId};
 use crate::scene::description::{EnvironmentDescription, LightKind};
 use crate::scene::discrete::Discrete;
-use crate::scene::emitter::{Directional, Emitter, EmitterId, Environment, MeshEmitter, Point, ShapeEmitter, Spot};
+use crate::scene::emitter::{
+    Directional, Emitter, EmitterId, Environment, EnvironmentMap, MeshEmitter, Point, Projector, ShapeEmitter, Spot,
+};
 use crate::scene::mapping::Mapping;
 use crate::scene::texture::Parameter;
 use crate::scene::{Names, SceneDescription, Shape};
@@ -44,10 +46,9 @@ impl Builder<'_> {
         self.meshes(place, shapes, &mut emitters)?;
         self.analytic_emitters(place, shapes, &mut emitters);
         self.lights(place, &mut emitters)?;
-        let sphere_radius = place.sphere_radius;
-        if let Some(EnvironmentDescription::Constant(radiance)) = self.description.environment {
+        if let Some(environment) = &self.description.environment {
             let id = EmitterId(emitters.len() as u32);
-            emitters.push(Emitter::Environment(Environment { id, radiance, sphere_radius }));
+            emitters.push(self.environment(environment, id, place.sphere_radius)?);
         }
         if emitters.is_empty() { Err(BuildError::NoLight(self.description.source.clone())) } else { Ok(emitters) }
     }
@@ -77,9 +78,8 @@ impl Builder<'_> {
             shapes[shape].emitter = Some(id);
             let radiance = description.emission.clone();
             let point = |u: [f64; 2]| {
-                // The choice of a triangle needs digits that the place in it has to spare.
-                let primitive = triangles[choice.sample(u[0])];
-                let within = stretched(&choice, u[0]);
+                let (triangle, within) = choice.split(u[0]);
+                let primitive = triangles[triangle];
                 let [_, v, w] = warp::uniform_triangle([within, u[1]]);
                 (primitive, accel.triangle(primitive).point([v, w]))
             };
@@ -111,29 +111,45 @@ impl Builder<'_> {
         let Place { centre, sphere_radius, .. } = *place;
         for light in &self.description.lights {
             let id = EmitterId(emitters.len() as u32);
-            emitters.push(match light.kind {
-                LightKind::Point { position, intensity } => {
+            emitters.push(match &light.kind {
+                &LightKind::Point { position, intensity } => {
                     Emitter::Point(Point { id, position: position - centre, intensity })
                 }
-                LightKind::Spot { position, direction, intensity, inner_angle, outer_angle } => {
+                &LightKind::Spot { position, direction, intensity, inner_angle, outer_angle } => {
                     let position = position - centre;
                     Emitter::Spot(Spot::new(id, position, direction, intensity, inner_angle, outer_angle))
                 }
-                LightKind::Projector { .. } => return Err(self.invalid("lights", "projectors are not supported yet")),
-                LightKind::Directional { direction, irradiance } => {
+                LightKind::Projector { position, forward, up, horizontal_fov, image, scale } => {
+                    let position = *position - centre;
+                    let axes = [*forward, *up];
+                    let projector = Projector::new(id, position, axes, *horizontal_fov, image.clone(), *scale);
+                    let black = || self.invalid(&format!("light '{}'", light.name), "its image is black: give another");
+                    Emitter::Projector(Box::new(projector.ok_or_else(black)?))
+                }
+                &LightKind::Directional { direction, irradiance } => {
                     Emitter::Directional(Directional { id, direction, irradiance, sphere_radius })
                 }
             });
         }
         Ok(())
     }
-}
 
-/// How much of the share of `u`'s own choice lies below it: again uniform in `[0, 1)`.
-fn stretched(choice: &Discrete, u: f64) -> f64 {
-    let index = choice.sample(u);
-    let (below, share) = (choice.below(index), choice.probability(index).value());
-    ((u - below) / share).clamp(0.0, 1.0 - f64::EPSILON)
+    fn environment(
+        &self,
+        environment: &EnvironmentDescription,
+        id: EmitterId,
+        sphere_radius: f64,
+    ) -> Result<Emitter, BuildError> {
+        let constant = |radiance| Emitter::Environment(Environment { id, radiance, sphere_radius });
+        Ok(match environment {
+            EnvironmentDescription::Constant(radiance) => constant(*radiance),
+            EnvironmentDescription::Map { bitmap, scale, to_world } => {
+                self.check_environment(bitmap, *scale, to_world)?;
+                let map = EnvironmentMap::new(id, bitmap.clone(), *scale, *to_world, sphere_radius);
+                map.map_or_else(|| constant(Rgb::BLACK), |map| Emitter::EnvironmentMap(Box::new(map)))
+            }
+        })
+    }
 }
 
 /// Points in the mean of a texture over a surface.

@@ -5,9 +5,12 @@
 //! Lights that are concentrated in a point or a direction answer with the coefficients of their Dirac distribution,
 //! emission and densities alike, so that their ratios are right.
 
+mod environment_map;
 mod infinite;
+mod projector;
 mod punctual;
 mod surface;
+mod texels;
 
 use glam::DVec3;
 
@@ -19,8 +22,10 @@ use super::Scene;
 use super::accel::Accel;
 use super::texture::Parameter;
 
+pub use environment_map::EnvironmentMap;
 pub(crate) use infinite::infinite_vertex;
 pub use infinite::{Directional, Environment};
+pub use projector::Projector;
 pub use punctual::{Point, Spot};
 pub use surface::{MeshEmitter, ShapeEmitter};
 
@@ -39,10 +44,14 @@ pub enum Emitter {
     Point(Point),
     /// A spot light.
     Spot(Spot),
+    /// A light that shines an image.
+    Projector(Box<Projector>),
     /// A directional light.
     Directional(Directional),
     /// The constant environment.
     Environment(Environment),
+    /// The environment by an image.
+    EnvironmentMap(Box<EnvironmentMap>),
 }
 
 /// The first edge of a walk from an emitter.
@@ -93,6 +102,8 @@ impl Emitter {
             Self::Spot(light) => light.intensity(direction),
             Self::Directional(light) => light.irradiance,
             Self::Environment(light) => light.radiance,
+            Self::Projector(light) => light.intensity(direction),
+            Self::EnvironmentMap(light) => light.radiance(direction),
         }
     }
 
@@ -107,6 +118,8 @@ impl Emitter {
             Self::Spot(light) => light.sample_emission(u),
             Self::Directional(light) => light.sample_emission(u),
             Self::Environment(light) => light.sample_emission(u),
+            Self::Projector(light) => light.sample_emission(u),
+            Self::EnvironmentMap(light) => light.sample_emission(u),
         }
     }
 
@@ -122,6 +135,8 @@ impl Emitter {
             Self::Spot(light) => light.emission_density(direction),
             Self::Directional(light) => light.emission_density(x0, direction),
             Self::Environment(light) => light.emission_density(x0, direction),
+            Self::Projector(light) => light.emission_density(direction),
+            Self::EnvironmentMap(light) => light.emission_density(x0, direction),
         }
     }
 
@@ -145,6 +160,8 @@ impl Emitter {
             Self::Spot(light) => Some(light.sample_direct()),
             Self::Directional(light) => Some(light.sample_direct(x1)),
             Self::Environment(light) => Some(light.sample_direct(x1, [u[1], u[2]])),
+            Self::Projector(light) => Some(light.sample_direct()),
+            Self::EnvironmentMap(light) => Some(light.sample_direct(x1, u)),
         }
     }
 
@@ -156,8 +173,9 @@ impl Emitter {
         match self {
             Self::Mesh(light) => light.direct_density(),
             Self::Shape(light) => light.direct_density(accel, x1, x0, edge),
-            Self::Point(_) | Self::Spot(_) => Density::new(1.0),
+            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => Density::new(1.0),
             Self::Directional(_) => Density::new(1.0) * to_area(),
+            Self::EnvironmentMap(light) => light.direct_density(edge) * to_area(),
             Self::Environment(_) => Environment::direct_density() * to_area(),
         }
     }
@@ -172,6 +190,8 @@ impl Emitter {
             Self::Spot(light) => light.flux(),
             Self::Directional(light) => light.flux(),
             Self::Environment(light) => light.flux(),
+            Self::Projector(light) => light.flux(),
+            Self::EnvironmentMap(light) => light.flux(),
         }
     }
 
@@ -181,16 +201,22 @@ impl Emitter {
         matches!(self, Self::Mesh(_) | Self::Shape(_))
     }
 
+    /// It is what rays that leave the scene meet.
+    #[must_use]
+    pub fn is_environment(&self) -> bool {
+        matches!(self, Self::Environment(_) | Self::EnvironmentMap(_))
+    }
+
     /// Its points are at a finite place, so that x_0 can be drawn on its own, before any direction.
     #[must_use]
     pub fn is_local(&self) -> bool {
-        !matches!(self, Self::Directional(_) | Self::Environment(_))
+        !matches!(self, Self::Directional(_)) && !self.is_environment()
     }
 
     /// A walk that hits a surface or leaves the scene can find it (technique s = 0).
     #[must_use]
     pub fn can_be_hit(&self) -> bool {
-        self.is_surface() || matches!(self, Self::Environment(_))
+        self.is_surface() || self.is_environment()
     }
 }
 

@@ -50,7 +50,7 @@ fn distance_normal_texture_coordinates_and_tangents_are_those_of_mitsuba() {
         let distance = (hit.position - origin).length();
         let found = [
             [distance, at.uv.x, at.uv.y].to_vec(),
-            [hit.normal, along_u, along_v].iter().flat_map(|v| v.to_array()).collect::<Vec<_>>(),
+            [hit.normal, along_u, along_v].iter().flat_map(DVec3::to_array).collect::<Vec<_>>(),
         ]
         .concat();
         for (i, (found, expected)) in found.iter().zip(&numbers[18..]).enumerate() {

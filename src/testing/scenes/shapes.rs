@@ -1,15 +1,18 @@
-//! Scenes of analytic shapes and textured light.
+//! Scenes of analytic shapes and of light by images.
 
 use std::sync::Arc;
 
 use glam::{DAffine2, DMat3, DVec2, DVec3};
 
 use crate::scene::SceneDescription;
-use crate::scene::description::{BsdfDescription, ConductorFresnel, Cylinder, Disk, FilmSize, Material, Sphere};
+use crate::scene::description::{
+    BsdfDescription, ConductorFresnel, Cylinder, Disk, EnvironmentDescription, FilmSize, Light, LightKind, Material,
+    Sphere,
+};
 use crate::scene::texture::{Bitmap, Filter, Parameter, Texels, Texture, Wrap};
 use crate::spectrum::Rgb;
 
-use super::{diffuse, material, rectangle, room};
+use super::{diffuse, material, rectangle, room, terrace};
 
 /// A small image of colours between 0 and `most`, black in places, that repeats.
 #[must_use]
@@ -62,7 +65,7 @@ pub fn lanterns(film: FilmSize) -> SceneDescription {
     let cylinder = |name: &str, ends: [[f64; 3]; 2], radius: f64, inward: bool, material: usize| {
         let [base, top] = ends.map(DVec3::from_array);
         let (axis, clockwise) = (top - base, inward);
-        let meridian = axis.any_orthonormal_vector();
+        let meridian = axis.normalize().any_orthonormal_vector();
         Cylinder { name: name.into(), base, axis, radius, meridian, clockwise, inward, material }
     };
     scene.disks = vec![
@@ -84,5 +87,29 @@ pub fn lanterns(film: FilmSize) -> SceneDescription {
     ];
     scene.meshes[1].material = glow;
     scene.meshes.push(rectangle("picture", DVec3::new(-0.99, 0.9, 0.2), DVec3::Z * -0.6, DVec3::Y * 0.5, glow));
+    scene
+}
+
+/// The terrace under an image of the sky, turned and mirrored, with a projector in place of the spot light.
+#[must_use]
+pub fn observatory(film: FilmSize) -> SceneDescription {
+    let mut scene = terrace(film);
+    scene.name = "observatory".into();
+    let to_world = DMat3::from_rotation_x(0.4) * DMat3::from_diagonal(DVec3::new(1.0, 1.0, -1.0));
+    let bitmap = Arc::new(patches(6, 5, 1.5));
+    scene.environment = Some(EnvironmentDescription::Map { bitmap, scale: 0.7, to_world });
+    let forward = DVec3::new(-0.2, -1.0, -0.6).normalize();
+    scene.lights.retain(|light| light.name != "spot");
+    scene.lights.push(Light {
+        name: "projector".into(),
+        kind: LightKind::Projector {
+            position: DVec3::new(0.0, 1.8, 0.8),
+            forward,
+            up: forward.any_orthonormal_vector(),
+            horizontal_fov: 0.9,
+            image: Arc::new(patches(4, 3, 2.0)),
+            scale: Rgb::new(1.0, 0.8, 0.6),
+        },
+    });
     scene
 }
