@@ -94,11 +94,12 @@ fn slope(cos: f64, sin: f64, u: f64) -> f64 {
         let rise = 2.0 * libm::exp(-x * x) * (cos - x * sin);
         let below = integral(x);
         let step = libm::log(target / below) * below / rise;
-        // Also where nothing is left of the density, and for NaN.
-        if !(step > 1e-15 * (1.0 + x.abs())) {
+        // False also where nothing is left of the density, and for NaN.
+        if step > 1e-15 * (1.0 + x.abs()) {
+            x += step;
+        } else {
             break;
         }
-        x += step;
     }
     x
 }
