@@ -236,7 +236,7 @@ mod tests {
     #[test]
     fn the_integral_over_all_directions_is_exact() {
         for (width, height) in [(1, 1), (2, 3), (5, 4), (16, 9), (64, 33)] {
-            let map = map(bitmap(width, height, |x, y| [(x * 7 % 5) as f32 + y as f32, 1.0, 0.3]), DMat3::IDENTITY);
+            let map = map(bitmap(width, height, |x, y| [(x * 7 % 5 + y) as f32 + 0.5, 1.0, 0.3]), DMat3::IDENTITY);
             let n = 1000;
             let even = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
             let all = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
