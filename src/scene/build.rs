@@ -240,7 +240,7 @@ impl Builder<'_> {
         let mut names = BTreeSet::new();
         for material in &self.description.materials {
             material.bsdf.visit_textures(&mut |texture| {
-                if let Texture::Attribute { name } = texture {
+                if let Texture::Attribute { name } | Texture::OtherCoordinates { attribute: name, .. } = texture {
                     names.insert(name.clone());
                 }
             });

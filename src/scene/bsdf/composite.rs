@@ -72,7 +72,9 @@ impl Composite {
             }
             leaf => {
                 let bsdf = Bsdf::new(leaf)?;
-                if leaf.textures().is_empty() { Self::Leaf(bsdf) } else { Self::Textured(leaf.clone()) }
+                // glTF turns its anisotropy by where v goes.
+                let turned = matches!(leaf, BsdfDescription::Gltf(gltf) if gltf.anisotropy.is_some());
+                if leaf.textures().is_empty() && !turned { Self::Leaf(bsdf) } else { Self::Textured(leaf.clone()) }
             }
         })
     }
@@ -167,6 +169,7 @@ impl BsdfDescription {
             } => {
                 vec![texture]
             }
+            Self::Gltf(gltf) => gltf.textures(),
             Self::Conductor { .. }
             | Self::Dielectric { .. }
             | Self::ThinDielectric { .. }

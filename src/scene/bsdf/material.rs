@@ -3,8 +3,8 @@
 use thiserror::Error;
 
 use super::fresnel::Interface;
-use super::{Bsdf, Conductor, Dielectric, Diffuse, Ggx, RoughConductor, RoughDielectric};
-use crate::scene::description::{BsdfDescription, ConductorFresnel};
+use super::{Bsdf, Conductor, Dielectric, Diffuse, Ggx, Gltf, RoughConductor, RoughDielectric, gltf};
+use crate::scene::description::{BsdfDescription, ConductorFresnel, GltfDescription};
 use crate::scene::texture::{Parameter, SurfacePoint, clamped};
 use crate::spectrum::Rgb;
 
@@ -64,6 +64,7 @@ trait Source {
     fn alpha(&mut self, of: &Parameter<f64>, smooth: &'static str, substance: &'static str) -> f64;
     fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface;
     fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel;
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf;
 }
 
 /// Constants as they stand; textures count as their middle. Remembers the first fault.
@@ -97,6 +98,11 @@ impl Source for Checked {
     fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel {
         self.take(checked_fresnel(fresnel), ConductorFresnel::Tint { specular_tint: Rgb::BLACK })
     }
+
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf {
+        self.take(gltf::check(description), ());
+        Gltf::typical(description)
+    }
 }
 
 impl Source for &SurfacePoint<'_> {
@@ -114,6 +120,10 @@ impl Source for &SurfacePoint<'_> {
 
     fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel {
         fresnel.clone()
+    }
+
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf {
+        Gltf::at(description, self)
     }
 }
 
@@ -166,6 +176,7 @@ impl Bsdf {
                     Self::RoughDielectric(RoughDielectric { distribution: Ggx::new(alpha), interface })
                 }
             }
+            BsdfDescription::Gltf(gltf) => Self::Gltf(Box::new(source.gltf(gltf))),
             BsdfDescription::ThinDielectric { .. }
             | BsdfDescription::Plastic { .. }
             | BsdfDescription::RoughPlastic { .. }
@@ -209,7 +220,7 @@ fn checked_fresnel(fresnel: &ConductorFresnel) -> Result<ConductorFresnel, Mater
     Ok(fresnel.clone())
 }
 
-fn share(parameter: &'static str, value: Rgb) -> Result<Rgb, MaterialError> {
+pub(super) fn share(parameter: &'static str, value: Rgb) -> Result<Rgb, MaterialError> {
     channels(parameter, value, 1.0, "0 … 1")
 }
 

@@ -9,6 +9,7 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
+mod gltf;
 mod material;
 mod microfacet;
 mod perturbed;
@@ -28,6 +29,7 @@ pub(crate) use composite::{Composite, CompositeAt};
 pub use conductor::{Conductor, RoughConductor};
 pub use dielectric::Dielectric;
 pub use diffuse::Diffuse;
+pub use gltf::Gltf;
 pub use material::MaterialError;
 pub use microfacet::Ggx;
 pub use rough_dielectric::RoughDielectric;
@@ -142,6 +144,8 @@ pub enum Bsdf {
     Dielectric(Dielectric),
     /// Glass with GGX microfacets.
     RoughDielectric(RoughDielectric),
+    /// glTF's own.
+    Gltf(Box<Gltf>),
     /// A research model from outside.
     Custom(Arc<dyn BsdfModel>),
 }
@@ -154,6 +158,7 @@ macro_rules! dispatch {
             Bsdf::RoughConductor($model) => $answer,
             Bsdf::Dielectric($model) => $answer,
             Bsdf::RoughDielectric($model) => $answer,
+            Bsdf::Gltf($model) => $answer,
             Bsdf::Custom($model) => $answer,
         }
     };
@@ -170,6 +175,7 @@ impl Bsdf {
             Self::RoughConductor(model) => model,
             Self::Dielectric(model) => model,
             Self::RoughDielectric(model) => model,
+            Self::Gltf(model) => model.as_ref(),
         }
     }
 

@@ -57,6 +57,10 @@ impl<'a> Materials<'a> {
             | BsdfDescription::Principled(_) => {
                 return Err(ExportError::unsupported(&self.scene.name, place, "this model yet", "choose another"));
             }
+            BsdfDescription::Gltf(_) => {
+                let (what, remedy) = ("glTF's own material", "export with --materials principled");
+                return Err(ExportError::unsupported(&self.scene.name, place, what, remedy));
+            }
             BsdfDescription::Null => Element::plugin("bsdf", "null"),
             BsdfDescription::TwoSided { front, back } => {
                 let element = Element::plugin("bsdf", "twosided").child(self.bsdf(front, place)?);

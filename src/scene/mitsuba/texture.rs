@@ -56,7 +56,11 @@ impl Images {
             Texture::Attribute { name: attribute } => {
                 Element::plugin("texture", "mesh_attribute").with("name", name).string("name", attribute)
             }
-            Texture::Product(_) | Texture::Channel { .. } | Texture::Remapped { .. } => {
+            Texture::OtherCoordinates { .. } => {
+                let what = "a texture with its own set of texture coordinates";
+                return Err(ExportError::unsupported(&scene.name, place, what, "use one set for all textures"));
+            }
+            Texture::Step { .. } | Texture::Product(_) | Texture::Channel { .. } | Texture::Remapped { .. } => {
                 let (bitmap, to_uv) = baked(texture).ok_or_else(|| {
                     let what = "a texture that is computed from several";
                     ExportError::unsupported(&scene.name, place, what, "bake it into one image")
@@ -137,6 +141,8 @@ fn baked(texture: &Texture) -> Option<(Bitmap, DAffine2)> {
         Texture::Bitmap { .. }
         | Texture::Checkerboard { .. }
         | Texture::Attribute { .. }
+        | Texture::OtherCoordinates { .. }
+        | Texture::Step { .. }
         | Texture::Remapped { squared: true, .. } => simple = false,
         _ => {}
     });
@@ -161,5 +167,7 @@ fn of_texel(texture: &Texture, texel: [f64; 4]) -> [f64; 4] {
         }
         Texture::Remapped { of, scale, offset, .. } => of_texel(of, texel).map(|x| scale * x + offset),
         Texture::Bitmap { .. } | Texture::Checkerboard { .. } | Texture::Attribute { .. } => texel,
+        // Never asked: interpolation does not commute with them.
+        Texture::OtherCoordinates { .. } | Texture::Step { .. } => texel,
     }
 }

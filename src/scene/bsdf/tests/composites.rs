@@ -60,7 +60,7 @@ impl BsdfModel for Pinned {
 }
 
 /// Where u and v are a third, along tangents that are skewed.
-fn pinned(description: &BsdfDescription) -> Bsdf {
+pub(super) fn pinned(description: &BsdfDescription) -> Bsdf {
     let at = SurfacePoint {
         uv: DVec2::splat(1.0 / 3.0),
         tangents: [DVec3::X * 2.0, DVec3::new(0.3, 1.5, 0.0)],
@@ -71,7 +71,7 @@ fn pinned(description: &BsdfDescription) -> Bsdf {
     Bsdf::Custom(Arc::new(Pinned { model: Composite::new(description).unwrap(), at }))
 }
 
-fn bitmap(texels: [[f32; 4]; 4]) -> Arc<Texture> {
+pub(super) fn bitmap(texels: [[f32; 4]; 4]) -> Arc<Texture> {
     let (filter, wrap, texels) = (Filter::Bilinear, [Wrap::Repeat; 2], Texels::Float(texels.to_vec()));
     let bitmap = Bitmap { name: "four".into(), width: 2, height: 2, texels, filter, wrap };
     Arc::new(Texture::Bitmap { bitmap: Arc::new(bitmap), to_uv: DAffine2::IDENTITY })
