@@ -42,7 +42,8 @@ pub(crate) struct LoadOptions {
 /// One line that names the file, the place in it, and what to do.
 pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedScene> {
     let file = find(word)?;
-    let mut description = gltf::read_with(&file, &ReadOptions { camera: options.camera.clone() })?;
+    let mut description =
+        gltf::read_with(&file, &ReadOptions { camera: options.camera.clone(), ..ReadOptions::default() })?;
     description.environment = options.environment.map(Into::into).or(description.environment);
     let scene_options = SceneOptions { film: options.film, light_selection: options.light_selection };
     let (scene, notes) = Scene::build(&description, scene_options)?;

@@ -142,13 +142,8 @@ impl GltfDescription {
     /// All its textures.
     #[must_use]
     pub fn textures(&self) -> Vec<&Texture> {
-        let mut slots = vec![
-            &self.base_color,
-            &self.metallic_roughness,
-            &self.specular,
-            &self.specular_color,
-            &self.transmission,
-        ];
+        let mut slots =
+            vec![&self.base_color, &self.metallic_roughness, &self.specular, &self.specular_color, &self.transmission];
         slots.extend(self.volume.iter().map(|volume| &volume.thickness));
         slots.extend(self.clearcoat.iter().flat_map(|coat| [&coat.factor, &coat.roughness]));
         slots.extend(self.sheen.iter().flat_map(|sheen| [&sheen.color, &sheen.roughness]));

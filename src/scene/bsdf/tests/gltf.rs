@@ -6,9 +6,7 @@ use rand::RngExt;
 
 use super::composites::{bitmap, pinned};
 use super::*;
-use crate::scene::description::{
-    GltfAnisotropy, GltfCoat, GltfDescription, GltfSheen, GltfVolume, NormalSource, Slot,
-};
+use crate::scene::description::{GltfAnisotropy, GltfCoat, GltfDescription, GltfSheen, GltfVolume, NormalSource, Slot};
 
 fn slot(r: f64, g: f64, b: f64, a: f64) -> Slot {
     Slot::constant([r, g, b, a])
@@ -54,7 +52,8 @@ fn brushed(roughness: f64) -> GltfDescription {
 }
 
 fn normal_map(seed: f32) -> NormalSource {
-    let texture = bitmap([[0.6, 0.45 + seed, 0.9, 1.0], [0.4, 0.5, 0.95, 1.0], [0.7, 0.4, 0.8, 1.0], [0.5, 0.5, 1.0, 1.0]]);
+    let texture =
+        bitmap([[0.6, 0.45 + seed, 0.9, 1.0], [0.4, 0.5, 0.95, 1.0], [0.7, 0.4, 0.8, 1.0], [0.5, 0.5, 1.0, 1.0]]);
     NormalSource::Map { texture, scale: [1.0; 2], against_v: true }
 }
 
@@ -109,7 +108,10 @@ pub(super) fn wide() -> Vec<Bsdf> {
         model(coated(solid(0.5, 0.8, 1.5))),
         at_a_point(mapped.clone()),
         at_a_point(GltfDescription { transmission: slot(0.6, 1.0, 1.0, 1.0), ..mapped.clone() }),
-        at_a_point(GltfDescription { volume: solid(0.5, 1.0, 1.5).volume, ..GltfDescription { transmission: slot(0.6, 1.0, 1.0, 1.0), ..mapped } }),
+        at_a_point(GltfDescription {
+            volume: solid(0.5, 1.0, 1.5).volume,
+            ..GltfDescription { transmission: slot(0.6, 1.0, 1.0, 1.0), ..mapped }
+        }),
     ]);
     all
 }
@@ -214,7 +216,10 @@ fn fibres_are_those_of_the_extension() {
     // By a plain Monte Carlo mean, whose standard error is below 1e-3 here.
     let mut albedo = |v: DVec3| {
         let n = 100_000;
-        let sum: f64 = (0..n).map(|_| direction(rng.random::<f64>(), 6.283_185 * rng.random::<f64>())).map(|w| brdf(v, w) * w.z).sum();
+        let sum: f64 = (0..n)
+            .map(|_| direction(rng.random::<f64>(), 6.283_185 * rng.random::<f64>()))
+            .map(|w| brdf(v, w) * w.z)
+            .sum();
         2.0 * PI * sum / f64::from(n)
     };
     for (cos_v, cos_l) in [(0.9, 0.3), (0.2, 0.7), (0.5, 0.5), (0.1, 0.15)] {
@@ -260,10 +265,14 @@ fn a_solid_transmits_as_rough_glass_does() {
     let mut seen = 0;
     for _ in 0..5_000 {
         let from = direction(2.0 * rng.random::<f64>() - 1.0, 3.0);
-        let Some(sample) = theirs.sample(Side::Sensor, from, rng.random()).filter(|s| s.to.z * from.z < 0.0) else { continue };
-        let h = -(from * if from.z > 0.0 { 1.0 } else { 1.5 } + sample.to * if from.z > 0.0 { 1.5 } else { 1.0 }).normalize();
+        let Some(sample) = theirs.sample(Side::Sensor, from, rng.random()).filter(|s| s.to.z * from.z < 0.0) else {
+            continue;
+        };
+        let h = -(from * if from.z > 0.0 { 1.0 } else { 1.5 } + sample.to * if from.z > 0.0 { 1.5 } else { 1.0 })
+            .normalize();
         let outside = if from.z > 0.0 { from } else { sample.to };
-        let transmitted = crate::scene::bsdf::fresnel::Interface::new(1.5, 1.0).fresnel(outside.dot(h).abs()).transmitted;
+        let transmitted =
+            crate::scene::bsdf::fresnel::Interface::new(1.5, 1.0).fresnel(outside.dot(h).abs()).transmitted;
         let ratio = ours.eval(sample.to, from).r * transmitted / sample.value.r;
         assert!((ratio - 1.0).abs() < 1e-9, "{ratio}");
         seen += 1;
@@ -297,9 +306,21 @@ fn white_furnace() {
         ("thin", 1.15, thin(0.3, 0.5)),
         ("solid", 1.0, solid(0.4, 1.0, 1.5)),
         ("coat", 1.0, GltfDescription { clearcoat: Some(coat(0.2)), ..matter(0.8) }),
-        ("sheen", 1.08, GltfDescription { sheen: Some(GltfSheen { color: white.clone(), ..sheen(0.4) }), ..matter(0.8) }),
-        ("fine sheen", 1.45, GltfDescription { sheen: Some(GltfSheen { color: white.clone(), ..sheen(0.1) }), ..matter(0.8) }),
-        ("rough sheen", 1.09, GltfDescription { sheen: Some(GltfSheen { color: white.clone(), ..sheen(1.0) }), ..matter(0.8) }),
+        (
+            "sheen",
+            1.08,
+            GltfDescription { sheen: Some(GltfSheen { color: white.clone(), ..sheen(0.4) }), ..matter(0.8) },
+        ),
+        (
+            "fine sheen",
+            1.45,
+            GltfDescription { sheen: Some(GltfSheen { color: white.clone(), ..sheen(0.1) }), ..matter(0.8) },
+        ),
+        (
+            "rough sheen",
+            1.09,
+            GltfDescription { sheen: Some(GltfSheen { color: white.clone(), ..sheen(1.0) }), ..matter(0.8) },
+        ),
     ] {
         let bsdf = model(GltfDescription { base_color: white.clone(), ..description });
         for cos in [1.0, 0.6, 0.2, 0.03, -0.5] {
@@ -326,7 +347,11 @@ fn smooth_thin_glass_is_lossless() {
 #[test]
 fn a_map_that_is_flat_turns_nothing() {
     let flat = NormalSource::Map { texture: bitmap([[0.5, 0.5, 1.0, 1.0]; 4]), scale: [1.0; 2], against_v: true };
-    let mapped = GltfDescription { normal: Some(flat.clone()), clearcoat: Some(GltfCoat { normal: Some(flat), ..coat(0.4) }), ..matter(0.5) };
+    let mapped = GltfDescription {
+        normal: Some(flat.clone()),
+        clearcoat: Some(GltfCoat { normal: Some(flat), ..coat(0.4) }),
+        ..matter(0.5)
+    };
     let bare = GltfDescription { clearcoat: Some(coat(0.4)), ..matter(0.5) };
     let (a, b) = (direction(0.3, 1.0), direction(0.9, 4.0));
     let (mapped, bare) = (at_a_point(mapped).eval(a, b), at_a_point(bare).eval(a, b));
@@ -355,7 +380,10 @@ fn parameters_out_of_range_are_refused_by_name() {
     assert!(refused(GltfDescription { ior: 0.5, ..matter(0.5) }).starts_with("ior = 0.5"));
     assert!(refused(GltfDescription { ior: 0.0, ..thin(0.5, 0.5) }).starts_with("ior = 0"));
     assert!(refused(GltfDescription { base_color: slot(2.0, 0.0, 0.0, 1.0), ..matter(0.5) }).contains("base_color"));
-    assert!(refused(GltfDescription { specular_color: slot(f64::NAN, 0.0, 0.0, 1.0), ..matter(0.5) }).contains("specular_color"));
+    assert!(
+        refused(GltfDescription { specular_color: slot(f64::NAN, 0.0, 0.0, 1.0), ..matter(0.5) })
+            .contains("specular_color")
+    );
 }
 
 /// No parameters and no directions give NaN, infinities or negative numbers; 200 000 random ones.
@@ -364,9 +392,7 @@ fn every_answer_is_finite_and_not_negative() {
     let mut rng = random_numbers(37);
     let fine = |x: f64| x.is_finite() && x >= 0.0;
     for _ in 0..200_000 {
-        let edge = |rng: &mut Xoshiro256PlusPlus| {
-            [0.0, 1.0, 1e-9, rng.random(), rng.random()][rng.random_range(0..5)]
-        };
+        let edge = |rng: &mut Xoshiro256PlusPlus| [0.0, 1.0, 1e-9, rng.random(), rng.random()][rng.random_range(0..5)];
         let any = |rng: &mut Xoshiro256PlusPlus| slot(edge(rng), edge(rng), edge(rng), edge(rng));
         let mut description = GltfDescription {
             base_color: any(&mut rng),
