@@ -136,7 +136,8 @@ impl GltfDescription {
     #[must_use]
     pub fn transmits(&self) -> bool {
         let metal = &self.metallic_roughness;
-        !self.transmission.vanishes(0) && !(metal.texture.is_none() && metal.factor[2] == 1.0)
+        let is_metal = metal.texture.is_none() && metal.factor[2] == 1.0;
+        !(is_metal || self.transmission.vanishes(0))
     }
 
     /// All its textures.

@@ -167,8 +167,11 @@ fn of_texel(texture: &Texture, texel: [f64; 4]) -> [f64; 4] {
             [value, value, value, 1.0]
         }
         Texture::Remapped { of, scale, offset, .. } => of_texel(of, texel).map(|x| scale * x + offset),
-        Texture::Bitmap { .. } | Texture::Checkerboard { .. } | Texture::Attribute { .. } => texel,
-        // Never asked: interpolation does not commute with them.
-        Texture::OtherCoordinates { .. } | Texture::Step { .. } => texel,
+        // The last four are never asked for: interpolation does not commute with them.
+        Texture::Bitmap { .. }
+        | Texture::Checkerboard { .. }
+        | Texture::Attribute { .. }
+        | Texture::OtherCoordinates { .. }
+        | Texture::Step { .. } => texel,
     }
 }

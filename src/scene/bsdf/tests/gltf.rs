@@ -217,7 +217,7 @@ fn fibres_are_those_of_the_extension() {
     let mut albedo = |v: DVec3| {
         let n = 100_000;
         let sum: f64 = (0..n)
-            .map(|_| direction(rng.random::<f64>(), 6.283_185 * rng.random::<f64>()))
+            .map(|_| direction(rng.random::<f64>(), std::f64::consts::TAU * rng.random::<f64>()))
             .map(|w| brdf(v, w) * w.z)
             .sum();
         2.0 * PI * sum / f64::from(n)

@@ -47,7 +47,7 @@ impl Reader<'_, '_> {
             }
         }
         if description.transmits() {
-            if !(ior >= 1.0) {
+            if ior < 1.0 {
                 return Err(Fault::unsupported(&here, "transmitting materials with an `ior` below one", REMEDY));
             }
             if let Some(extension) = material.extensions.get("KHR_materials_volume") {
@@ -107,7 +107,7 @@ impl Reader<'_, '_> {
         let attenuation_color = colour(extension, "attenuationColor", Rgb::WHITE, &here)?;
         check_shares(&here, &[("attenuationColor", &attenuation_color.to_array())])?;
         for (key, value) in [("thicknessFactor", thickness), ("attenuationDistance", attenuation_distance)] {
-            if !(value >= 0.0) || (key == "attenuationDistance" && value == 0.0) {
+            if value < 0.0 || (key == "attenuationDistance" && value == 0.0) {
                 return Err(Fault::invalid(format!("{here}.{key}"), format!("is {value}"), "make it positive"));
             }
         }

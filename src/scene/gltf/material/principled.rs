@@ -74,14 +74,14 @@ fn gloss(roughness: &Slot) -> Parameter<f64> {
     match channel(roughness, 1) {
         Parameter::Constant(r) => ((0.1 - r * r) / 0.099).clamp(0.0, 1.0).into(),
         Parameter::Texture(texture) => {
-            let squared = remapped(texture, 1.0, 0.0, true);
-            Parameter::Texture(remapped(squared, -1.0 / 0.099, 0.1 / 0.099, false))
+            let squared = remapped(&texture, 1.0, 0.0, true);
+            Parameter::Texture(remapped(&squared, -1.0 / 0.099, 0.1 / 0.099, false))
         }
     }
 }
 
-fn remapped(of: Arc<Texture>, scale: f64, offset: f64, squared: bool) -> Arc<Texture> {
-    Arc::new(Texture::Remapped { of: Box::new((*of).clone()), scale, offset, squared })
+fn remapped(of: &Texture, scale: f64, offset: f64, squared: bool) -> Arc<Texture> {
+    Arc::new(Texture::Remapped { of: Box::new(of.clone()), scale, offset, squared })
 }
 
 /// One channel of a slot.
@@ -90,7 +90,7 @@ fn channel(slot: &Slot, channel: usize) -> Parameter<f64> {
     match &slot.texture {
         Some(texture) if factor != 0.0 => {
             let grey = Arc::new(Texture::Channel { of: Box::new((**texture).clone()), channel });
-            Parameter::Texture(if factor == 1.0 { grey } else { remapped(grey, factor, 0.0, false) })
+            Parameter::Texture(if factor == 1.0 { grey } else { remapped(&grey, factor, 0.0, false) })
         }
         _ => factor.into(),
     }

@@ -118,8 +118,7 @@ pub(super) fn product(colour: Parameter<Rgb>, share: Option<&Parameter<f64>>) ->
         Parameter::Texture(texture) => (**texture).clone(),
     };
     match (share, colour.constant()) {
-        (None, _) => colour,
-        (_, Some(&Rgb::BLACK)) => colour,
+        (None, _) | (_, Some(&Rgb::BLACK)) => colour,
         (Some(Parameter::Constant(share)), Some(&constant)) => (constant * *share).into(),
         (Some(Parameter::Constant(share)), None) => {
             let factors = vec![texture_of(&colour), Texture::Constant([*share, *share, *share, 1.0])];
