@@ -1,5 +1,7 @@
 //! `<shape>`: meshes, analytic shapes, groups and their instances.
 
+use std::collections::HashSet;
+
 use glam::{DMat3, DMat4, DVec3};
 
 use super::fault::{Fault, Result};
@@ -132,9 +134,20 @@ impl Reader<'_> {
 
     /// Some texture is among what it is made of.
     fn has_texture(&self, index: usize) -> bool {
-        let node = &self.document.nodes[index];
-        matches!(node.plugin.as_str(), "bitmap" | "checkerboard" | "mesh_attribute")
-            || node.properties.iter().any(|p| matches!(p.value, Value::Object(child) if self.has_texture(child)))
+        let mut seen = HashSet::from([index]);
+        let mut open = vec![index];
+        while let Some(node) = open.pop() {
+            let node = &self.document.nodes[node];
+            if matches!(node.plugin.as_str(), "bitmap" | "checkerboard" | "mesh_attribute") {
+                return true;
+            }
+            let children = node.properties.iter().filter_map(|property| match property.value {
+                Value::Object(child) => Some(child),
+                _ => None,
+            });
+            open.extend(children.filter(|&child| seen.insert(child)));
+        }
+        false
     }
 
     /// Adds a shape to the scene, by an instance or directly.

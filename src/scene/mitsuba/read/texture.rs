@@ -14,9 +14,13 @@ use super::spectrum::{Role, Spectrum};
 use crate::scene::texture::{self, Bitmap, Filter, Parameter, Texture, Wrap};
 use crate::spectrum::Rgb;
 
+/// Deepest nesting of textures, by references too: each level may double their number.
+const DEEPEST: usize = 8;
+
 /// Reads textures, each image file once.
 #[derive(Default)]
 pub(super) struct Textures {
+    depth: usize,
     images: HashMap<(PathBuf, bool, u8, u8), Arc<Bitmap>>,
     read: HashMap<(usize, Role), Parameter<Rgb>>,
 }
@@ -76,6 +80,10 @@ impl Textures {
             return Err(Fault::new(&property.place, "is no texture", "give a <texture> or a colour"));
         }
         let props = Props::new(document, index);
+        if self.depth >= DEEPEST {
+            return Err(props.wrong(format!("is nested more than {DEEPEST} deep"), "bake it into an image"));
+        }
+        self.depth += 1;
         let texture = match node.plugin.as_str() {
             "bitmap" => self.bitmap(document, &props)?,
             "checkerboard" => {
@@ -132,6 +140,7 @@ impl Textures {
                 return Err(props.wrong(problem, "use bitmap, checkerboard or mesh_attribute, or bake it into an image"));
             }
         };
+        self.depth -= 1;
         props.finish()?;
         self.read.insert((index, role), texture.clone());
         Ok(texture)
