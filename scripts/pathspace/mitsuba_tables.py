@@ -43,17 +43,20 @@ def main() -> None:
     daylight = [float(mi.cie_d65(w)) for w in wavelengths]
     print("//! Made by `scripts/pathspace/mitsuba_tables.py`, which names the sources.\n")
     print(f"/// The CIE's standard observer of 1931 (2 degrees): x̄, ȳ, z̄ from {FIRST} to {LAST} nm every {STEP} nm.")
+    print("#[rustfmt::skip]")
     print(f"pub(super) const OBSERVER: [[f64; 3]; {len(observer)}] = [")
     for values in observer:
         print(f"    {row(values)},")
     print("];\n")
     print("/// The CIE's illuminant D65 at the same wavelengths, scaled as Mitsuba does.")
+    print("#[rustfmt::skip]")
     print(f"pub(super) const D65: [f64; {len(daylight)}] = [")
     for value in daylight:
         print(f"    {float(f'{value:.8g}')!r},")
     print("];\n")
     table = metals()
     print("/// Name, η and k of the metals, linear RGB.")
+    print("#[rustfmt::skip]")
     print(f"pub(super) const METALS: [(&str, [f64; 3], [f64; 3]); {len(table)}] = [")
     for name, (eta, k) in table.items():
         print(f'    ("{name}", {row(eta)}, {row(k)}),')

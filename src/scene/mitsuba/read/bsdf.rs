@@ -183,10 +183,17 @@ impl Reader<'_> {
             None => Ok(Rgb::grey(default)),
             Some(property) => {
                 if let super::node::Value::Object(index) = property.value
-                    && matches!(self.document.nodes[index].plugin.as_str(), "bitmap" | "checkerboard" | "mesh_attribute")
+                    && matches!(
+                        self.document.nodes[index].plugin.as_str(),
+                        "bitmap" | "checkerboard" | "mesh_attribute"
+                    )
                 {
                     let problem = format!("a textured {name} is not supported");
-                    return Err(Fault::new(&property.place, problem, "give a colour, and a textured specular_reflectance"));
+                    return Err(Fault::new(
+                        &property.place,
+                        problem,
+                        "give a colour, and a textured specular_reflectance",
+                    ));
                 }
                 self.textures
                     .colour(self.document, props, name, Role::Unbounded, &mut self.warnings)?
@@ -212,10 +219,7 @@ impl Reader<'_> {
         props.choice("distribution", &[("beckmann", MicrofacetKind::Beckmann), ("ggx", MicrofacetKind::Ggx)])
     }
 
-    fn roughness(
-        &mut self,
-        props: &Props<'_>,
-    ) -> Result<(MicrofacetKind, Parameter<f64>, Option<Parameter<f64>>)> {
+    fn roughness(&mut self, props: &Props<'_>) -> Result<(MicrofacetKind, Parameter<f64>, Option<Parameter<f64>>)> {
         let distribution = Self::distribution(props)?;
         if !props.has("alpha_u") && !props.has("alpha_v") {
             return Ok((distribution, self.number(props, "alpha", 0.1)?, None));
@@ -235,7 +239,11 @@ impl Reader<'_> {
             return Err(props.wrong("is anisotropic, which Mitsuba does not support either", "give alpha"));
         }
         let Some(&alpha) = alpha.constant() else {
-            return Err(props.fault("alpha", "is textured, which Mitsuba does not support either".into(), "give a number".into()));
+            return Err(props.fault(
+                "alpha",
+                "is textured, which Mitsuba does not support either".into(),
+                "give a number".into(),
+            ));
         };
         Ok(BsdfDescription::RoughPlastic {
             distribution,
@@ -250,11 +258,7 @@ impl Reader<'_> {
 
     fn principled(&mut self, props: &Props<'_>) -> Result<PrincipledDescription> {
         // How often which lobe is drawn.
-        props.ignore(&[
-            "main_specular_sampling_rate",
-            "clearcoat_sampling_rate",
-            "diffuse_reflectance_sampling_rate",
-        ]);
+        props.ignore(&["main_specular_sampling_rate", "clearcoat_sampling_rate", "diffuse_reflectance_sampling_rate"]);
         let spec_trans = self.number(props, "spec_trans", 0.0)?;
         let transmits = spec_trans.constant().is_none_or(|&x| x > 0.0);
         if props.has("eta") && props.has("specular") {
@@ -269,7 +273,9 @@ impl Reader<'_> {
             },
         };
         if !(eta.is_finite() && eta > 0.0) {
-            return Err(props.wrong("has no index of refraction above zero", "give eta above 0, or specular from 0 to 1"));
+            return Err(
+                props.wrong("has no index of refraction above zero", "give eta above 0, or specular from 0 to 1")
+            );
         }
         Ok(PrincipledDescription {
             base_color: self.share(props, "base_color", 0.5)?,

@@ -176,7 +176,9 @@ impl Document {
                     (None, Some(file)) => {
                         Value::Spectrum(Spectrum::from_lines(&self.files.read_text(file, place)?, place)?)
                     }
-                    _ => return Err(Fault::new(place, "needs a value or a filename, and not both", "give one of them")),
+                    _ => {
+                        return Err(Fault::new(place, "needs a value or a filename, and not both", "give one of them"));
+                    }
                 }
             }
             "translate" | "rotate" | "scale" | "lookat" | "lookAt" | "matrix" => {
@@ -184,10 +186,40 @@ impl Document {
             }
             tag => {
                 let known = [
-                    "alias", "blackbody", "boolean", "bsdf", "default", "emitter", "film", "float", "include", "integer",
-                    "integrator", "lookat", "matrix", "medium", "path", "phase", "point", "ref", "rfilter", "rgb",
-                    "rotate", "sampler", "scale", "scene", "sensor", "shape", "spectrum", "srgb", "string", "texture",
-                    "transform", "translate", "vector", "volume",
+                    "alias",
+                    "blackbody",
+                    "boolean",
+                    "bsdf",
+                    "default",
+                    "emitter",
+                    "film",
+                    "float",
+                    "include",
+                    "integer",
+                    "integrator",
+                    "lookat",
+                    "matrix",
+                    "medium",
+                    "path",
+                    "phase",
+                    "point",
+                    "ref",
+                    "rfilter",
+                    "rgb",
+                    "rotate",
+                    "sampler",
+                    "scale",
+                    "scene",
+                    "sensor",
+                    "shape",
+                    "spectrum",
+                    "srgb",
+                    "string",
+                    "texture",
+                    "transform",
+                    "translate",
+                    "vector",
+                    "volume",
                 ];
                 let problem = format!("<{tag}> is no element of the format{}", did_you_mean(tag, known));
                 return Err(Fault::new(place, problem, "remove it or correct its name"));
@@ -197,7 +229,9 @@ impl Document {
 
     fn add(&mut self, parent: usize, name: String, value: Value, place: &Place) -> Result<()> {
         let properties = &mut self.nodes[parent].properties;
-        if let Some(first) = properties.iter().find(|property| !name.is_empty() && property.name == name) {
+        // Most of a scene's thousands of shapes have no name.
+        let first = if name.is_empty() { None } else { properties.iter().find(|property| property.name == name) };
+        if let Some(first) = first {
             let problem = format!("{name:?} stands here a second time, after line {}", first.place.line);
             return Err(Fault::new(place, problem, "remove one of the two"));
         }
@@ -320,7 +354,9 @@ pub(super) fn allow(element: &Element, names: &[&str]) -> Result<()> {
 
 /// An attribute that must be there.
 pub(super) fn required<'a>(element: &'a Element, name: &str) -> Result<&'a str> {
-    element.attribute(name).ok_or_else(|| Fault::new(&element.place(), format!("has no {name:?}"), "add this attribute"))
+    element
+        .attribute(name)
+        .ok_or_else(|| Fault::new(&element.place(), format!("has no {name:?}"), "add this attribute"))
 }
 
 /// Three numbers as `x`, `y` and `z` or as a `value`; what is left out is `default`, or an error without one.

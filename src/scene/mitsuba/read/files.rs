@@ -66,7 +66,11 @@ impl Files {
             }
         }
         Err(if inside {
-            Fault::new(place, format!("{name:?} is not there"), "check the name, which is relative to the scene's folder")
+            Fault::new(
+                place,
+                format!("{name:?} is not there"),
+                "check the name, which is relative to the scene's folder",
+            )
         } else {
             let remedy = "put the file into the folder of the scene, or below, and name it relative to that";
             Fault::new(place, format!("{name:?} leads out of the scene's folder"), remedy)

@@ -109,8 +109,11 @@ pub(super) fn file(document: &Document, props: &Props<'_>, to_world: &DMat4) -> 
     let Some(name) = props.text("filename")? else { return Err(props.wrong("has no filename", "name a mesh")) };
     let place = props.get("filename").map_or(&props.node.place, |property| &property.place);
     let path: PathBuf = document.files.find(name, place)?;
-    let data = mesh_file::read(&path, format, &MeshOptions { flip_tex_coords })
-        .map_err(|error| Fault::new(place, error.to_string(), "correct or export the mesh again"))?;
+    let data = mesh_file::read(&path, format, &MeshOptions { flip_tex_coords }).map_err(|error| {
+        let text = error.to_string();
+        let (problem, remedy) = text.rsplit_once("; ").unwrap_or((&text, "export the mesh again"));
+        Fault::new(place, problem, remedy)
+    })?;
     let face_normals = props.boolean_or("face_normals", false)?;
     let flip = props.boolean_or("flip_normals", false)?;
     let MeshData { positions, normals, texcoords, attributes, triangles, .. } = data;
@@ -128,7 +131,11 @@ pub(super) fn file(document: &Document, props: &Props<'_>, to_world: &DMat4) -> 
         local.smooth();
     }
     if local.positions.iter().any(|p| !p.is_finite()) {
-        return Err(props.fault("to_world", "leads to positions that are not finite".into(), "use smaller numbers".into()));
+        return Err(props.fault(
+            "to_world",
+            "leads to positions that are not finite".into(),
+            "use smaller numbers".into(),
+        ));
     }
     Ok(local)
 }

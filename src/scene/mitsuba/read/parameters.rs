@@ -1,5 +1,7 @@
 //! `$name` in attributes, by `<default>` or by the command line.
 
+use std::collections::BTreeMap;
+
 use super::fault::{Fault, Place, Result};
 use super::tree::Element;
 use crate::names::did_you_mean;
@@ -94,9 +96,7 @@ impl Parameters {
     }
 
     /// All values that hold at the end, by name.
-    pub(super) fn known(&self) -> Vec<(String, String)> {
-        let mut known: Vec<_> = self.0.iter().map(|p| (p.name.clone(), p.value.clone())).collect();
-        known.sort();
-        known
+    pub(super) fn known(&self) -> BTreeMap<String, String> {
+        self.0.iter().map(|parameter| (parameter.name.clone(), parameter.value.clone())).collect()
     }
 }

@@ -87,7 +87,11 @@ impl Reader<'_> {
     fn form(&self, props: &Props<'_>) -> Result<Form> {
         let to_world = props.to_world()?;
         if to_world.determinant() == 0.0 || !to_world.inverse().is_finite() {
-            return Err(props.fault("to_world", "makes the shape flat".into(), "scale by other numbers than zero".into()));
+            return Err(props.fault(
+                "to_world",
+                "makes the shape flat".into(),
+                "scale by other numbers than zero".into(),
+            ));
         }
         Ok(match props.node.plugin.as_str() {
             "rectangle" => Form::Mesh(mesh::rectangle(props, &to_world)?),
@@ -114,7 +118,9 @@ impl Reader<'_> {
                 let p1 = props.vector("p1")?.unwrap_or(DVec3::Z);
                 let length = (p1 - p0).length();
                 if length == 0.0 || radius == 0.0 {
-                    return Err(props.wrong("has no length or no radius", "keep p0 and p1 apart, and radius above zero"));
+                    return Err(
+                        props.wrong("has no length or no radius", "keep p0 and p1 apart, and radius above zero")
+                    );
                 }
                 let frame = Frame::around((p1 - p0) / length);
                 let columns = [frame.x * radius, frame.y * radius, frame.z * length].map(|axis| axis.extend(0.0));
@@ -188,7 +194,8 @@ impl Reader<'_> {
                 let [x, y, axis] = [m.x_axis, m.y_axis, m.z_axis].map(glam::DVec4::truncate);
                 let radius = x.length();
                 let length = axis.length();
-                let slant = [x.dot(y) / (radius * radius), x.dot(axis) / (radius * length), y.dot(axis) / (radius * length)];
+                let slant =
+                    [x.dot(y) / (radius * radius), x.dot(axis) / (radius * length), y.dot(axis) / (radius * length)];
                 let uneven = y.length() / radius - 1.0;
                 if slant.iter().chain(&[uneven]).any(|off| off.abs() > SIMILAR) {
                     let problem = "is made oblique or elliptic by its transform";
@@ -232,7 +239,11 @@ impl Reader<'_> {
         let shapes = props.objects(Kind::Shape);
         props.finish()?;
         if to_world.determinant() == 0.0 || !to_world.inverse().is_finite() {
-            return Err(props.fault("to_world", "makes the instance flat".into(), "scale by other numbers than zero".into()));
+            return Err(props.fault(
+                "to_world",
+                "makes the instance flat".into(),
+                "scale by other numbers than zero".into(),
+            ));
         }
         let group = match shapes.as_slice() {
             [(group, _)] if self.document.nodes[*group].plugin == "shapegroup" => *group,

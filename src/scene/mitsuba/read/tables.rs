@@ -1,6 +1,7 @@
 //! Made by `scripts/pathspace/mitsuba_tables.py`, which names the sources.
 
 /// The CIE's standard observer of 1931 (2 degrees): x̄, ȳ, z̄ from 360 to 830 nm every 5 nm.
+#[rustfmt::skip]
 pub(super) const OBSERVER: [[f64; 3]; 95] = [
     [0.0001299, 3.917e-06, 0.00060610002],
     [0.00023210001, 6.965e-06, 0.001086],
@@ -100,6 +101,7 @@ pub(super) const OBSERVER: [[f64; 3]; 95] = [
 ];
 
 /// The CIE's illuminant D65 at the same wavelengths, scaled as Mitsuba does.
+#[rustfmt::skip]
 pub(super) const D65: [f64; 95] = [
     0.47110626,
     0.49863625,
@@ -199,6 +201,7 @@ pub(super) const D65: [f64; 95] = [
 ];
 
 /// Name, η and k of the metals, linear RGB.
+#[rustfmt::skip]
 pub(super) const METALS: [(&str, [f64; 3], [f64; 3]); 71] = [
     ("Ag", [0.15527616, 0.11672782, 0.13838749], [4.8283482, 3.1222208, 2.1469033]),
     ("Al", [1.6574991, 0.88040483, 0.52124417], [9.2238016, 6.2694983, 4.8370056]),

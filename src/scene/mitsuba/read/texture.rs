@@ -119,10 +119,10 @@ impl Textures {
             "d65" => self.daylight(document, &props, warnings)?,
             "blackbody" => {
                 props.ignore(&["wavelength_min", "wavelength_max"]);
-                let text = "Mitsuba's RGB variants cannot render a black body; it is turned to RGB by the CIE's observer";
+                let text =
+                    "Mitsuba's RGB variants cannot render a black body; it is turned to RGB by the CIE's observer";
                 warnings.add(&node.place, text);
-                let kelvin =
-                    props.float("temperature")?.ok_or_else(|| props.wrong("has no temperature", "add one"))?;
+                let kelvin = props.float("temperature")?.ok_or_else(|| props.wrong("has no temperature", "add one"))?;
                 Spectrum::black_body(kelvin, 1.0, &node.place)?.rgb(Role::Emission).into()
             }
             "regular" | "irregular" => {
@@ -137,7 +137,9 @@ impl Textures {
                 let known = ["bitmap", "checkerboard", "mesh_attribute", "srgb", "uniform", "d65", "blackbody"];
                 let suggestion = crate::names::did_you_mean(other, known);
                 let problem = format!("is the unsupported texture {other:?}{suggestion}");
-                return Err(props.wrong(problem, "use bitmap, checkerboard or mesh_attribute, or bake it into an image"));
+                return Err(
+                    props.wrong(problem, "use bitmap, checkerboard or mesh_attribute, or bake it into an image")
+                );
             }
         };
         self.depth -= 1;
@@ -163,8 +165,7 @@ impl Textures {
 
     fn bitmap(&mut self, document: &Document, props: &Props<'_>) -> Result<Parameter<Rgb>> {
         let raw = props.boolean_or("raw", false)?;
-        let filter =
-            props.choice("filter_type", &[("bilinear", Filter::Bilinear), ("nearest", Filter::Nearest)])?;
+        let filter = props.choice("filter_type", &[("bilinear", Filter::Bilinear), ("nearest", Filter::Nearest)])?;
         let wrap = [("repeat", Wrap::Repeat), ("mirror", Wrap::Mirror), ("clamp", Wrap::Clamp)];
         let wrap = props.choice("wrap_mode", &wrap)?;
         // How an image is stored: nothing but memory and precision depends on it.
@@ -193,8 +194,8 @@ impl Textures {
         if let Some(known) = self.images.get(&key) {
             return Ok(known.clone());
         }
-        let (width, height, texels) = texture::read(&key.0, raw)
-            .map_err(|error| Fault::new(place, error.to_string(), "give another image"))?;
+        let (width, height, texels) =
+            texture::read(&key.0, raw).map_err(|error| Fault::new(place, error.to_string(), "give another image"))?;
         let bitmap = Arc::new(Bitmap { name: name.into(), width, height, texels, filter, wrap: [wrap; 2] });
         self.images.insert(key, bitmap.clone());
         Ok(bitmap)

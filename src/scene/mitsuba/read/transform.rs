@@ -6,6 +6,7 @@ use super::document::{allow, coordinates, required};
 use super::fault::{Fault, Place, Result};
 use super::number;
 use super::tree::Element;
+use crate::geometry::Frame;
 
 /// The product of all operations inside of an element.
 pub(super) fn compose(element: &Element) -> Result<DMat4> {
@@ -80,19 +81,14 @@ fn matrix(element: &Element) -> Result<DMat4> {
 fn rotation(axis: DVec3, angle: f64) -> DMat4 {
     let (sin, cos) = libm::sincos(angle);
     let column = |e: DVec3| cos * e + sin * axis.cross(e) + (1.0 - cos) * axis.dot(e) * axis;
-    DMat4::from_cols(
-        column(DVec3::X).extend(0.0),
-        column(DVec3::Y).extend(0.0),
-        column(DVec3::Z).extend(0.0),
-        DVec4::W,
-    )
+    DMat4::from_cols(column(DVec3::X).extend(0.0), column(DVec3::Y).extend(0.0), column(DVec3::Z).extend(0.0), DVec4::W)
 }
 
 /// The frame of a camera, which looks along +z, has y up and x to the left.
 fn look_at(origin: DVec3, target: DVec3, up: Option<DVec3>, place: &Place) -> Result<DMat4> {
     let frame = || {
         let forward = (target - origin).try_normalize()?;
-        let up = up.filter(|up| *up != DVec3::ZERO).unwrap_or_else(|| forward.any_orthonormal_vector());
+        let up = up.filter(|up| *up != DVec3::ZERO).unwrap_or_else(|| Frame::around(forward).x);
         let left = up.cross(forward).try_normalize()?;
         let up = forward.cross(left);
         Some(DMat4::from_cols(left.extend(0.0), up.extend(0.0), forward.extend(0.0), origin.extend(1.0)))
