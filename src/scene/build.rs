@@ -170,6 +170,11 @@ impl Builder<'_> {
 
     fn camera(&mut self, geometry: Bounds) -> Result<SensorDescription, BuildError> {
         if let Some(camera) = &self.description.sensor {
+            let [first, last] = camera.window;
+            if !(first.is_finite() && last.is_finite() && first.cmplt(last).all()) {
+                let what = "its film covers nothing of the image: the window's first corner must be left of and above the last";
+                return Err(self.invalid(&format!("camera '{}'", camera.name), what));
+            }
             return Ok(camera.clone());
         }
         let camera = framing_camera(geometry).ok_or_else(|| BuildError::NoCamera(self.description.source.clone()))?;
@@ -178,14 +183,14 @@ impl Builder<'_> {
     }
 
     fn film(&self, camera: &SensorDescription) -> Result<FilmSize, BuildError> {
+        let covered = camera.window[1] - camera.window[0];
+        let width = 256;
+        let height = |aspect: f64| ((f64::from(width) / aspect * covered.y / covered.x).round() as u32).max(1);
         let default = match camera.projection {
-            Projection::Perspective { aspect: Some(aspect), .. } => {
-                FilmSize { width: 256, height: ((256.0 / aspect).round() as u32).max(1) }
-            }
+            Projection::Perspective { aspect, .. } => FilmSize { width, height: height(aspect.unwrap_or(1.0)) },
             Projection::Orthographic { half_width, half_height } => {
-                FilmSize { width: 256, height: ((256.0 * half_height / half_width).round() as u32).max(1) }
+                FilmSize { width, height: height(half_width / half_height) }
             }
-            Projection::Perspective { aspect: None, .. } => FilmSize { width: 256, height: 256 },
             Projection::Hemisphere | Projection::Window { .. } => FilmSize { width: 64, height: 64 },
             Projection::Ray => return Ok(FilmSize { width: 1, height: 1 }),
         };

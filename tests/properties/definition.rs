@@ -24,8 +24,15 @@ fn check<E: Estimator>(scene: &SceneDescription, estimator: &E) {
     assert_eq!(comparison.hidden, 0, "{}: edges that the walk has drawn are denied", scene.name);
 }
 
-fn all_scenes() -> [SceneDescription; 5] {
-    [scenes::room(FILM), scenes::cabinet(FILM), scenes::terrace(FILM), scenes::gallery(FILM), scenes::veneer(FILM)]
+fn all_scenes() -> [SceneDescription; 6] {
+    [
+        scenes::room(FILM),
+        scenes::cabinet(FILM),
+        scenes::terrace(FILM),
+        scenes::gallery(FILM),
+        scenes::veneer(FILM),
+        scenes::showroom(FILM),
+    ]
 }
 
 const SETTINGS: [&str; 5] = [

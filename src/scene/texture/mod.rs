@@ -11,7 +11,8 @@ use glam::{DAffine2, DVec2};
 
 use crate::spectrum::Rgb;
 
-pub use bitmap::{Bitmap, Filter, Texels, Wrap, srgb_to_linear};
+pub(crate) use bitmap::srgb_to_linear;
+pub use bitmap::{Bitmap, Filter, Texels, Wrap};
 pub use decode::{ImageError, decode, read};
 pub(crate) use parameter::clamped;
 pub use parameter::{FromTexture, Parameter};
