@@ -164,7 +164,7 @@ pub(super) fn frame(props: &Props<'_>) -> Result<[DVec3; 3]> {
     let unit = axes.map(|axis| axis / size);
     let off = |a: DVec3, b: DVec3, expected: f64| (a.dot(b) - expected).abs() > ORTHONORMAL;
     let [x, y, z] = unit;
-    if !(size > 0.0) || off(x, x, 1.0) || off(y, y, 1.0) || off(x, y, 0.0) || off(y, z, 0.0) || off(x, z, 0.0) {
+    if size == 0.0 || off(x, x, 1.0) || off(y, y, 1.0) || off(x, y, 0.0) || off(y, z, 0.0) || off(x, z, 0.0) {
         let problem = "is no rotation: its axes are not at right angles and equally long".into();
         return Err(props.fault("to_world", problem, "use lookat, rotate and translate".into()));
     }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use glam::{DMat3, DMat4, DVec3, Vec2};
+use glam::{DMat3, DMat4, DVec3, Vec2, Vec3};
 
 use super::document::Document;
-use super::fault::{Fault, Result};
+use super::fault::{Fault, Result, Warnings};
 use super::props::Props;
 use crate::scene::description::Attribute;
 use crate::scene::mesh_file::{self, MeshData, MeshFormat, MeshOptions};
@@ -90,7 +90,7 @@ fn flat(local: Local, props: &Props<'_>, to_world: &DMat4) -> Result<Local> {
 }
 
 /// A mesh from a file.
-pub(super) fn file(document: &Document, props: &Props<'_>, to_world: &DMat4) -> Result<Local> {
+pub(super) fn file(document: &Document, props: &Props<'_>, to_world: &DMat4, warnings: &mut Warnings) -> Result<Local> {
     let (format, flip_v) = match props.node.plugin.as_str() {
         "obj" => (MeshFormat::Obj, true),
         "ply" => (MeshFormat::Ply, false),
@@ -116,12 +116,15 @@ pub(super) fn file(document: &Document, props: &Props<'_>, to_world: &DMat4) -> 
     })?;
     let face_normals = props.boolean_or("face_normals", false)?;
     let flip = props.boolean_or("flip_normals", false)?;
+    for warning in &data.warnings {
+        warnings.add(place, warning);
+    }
     let MeshData { positions, normals, texcoords, attributes, triangles, .. } = data;
     let normals = normals.filter(|_| !face_normals);
     let missing = normals.is_none() && !face_normals;
     let local = Local {
-        positions: positions.into_iter().map(|p| p.as_dvec3()).collect(),
-        normals: normals.map(|normals| normals.into_iter().map(|n| n.as_dvec3()).collect()),
+        positions: positions.into_iter().map(Vec3::as_dvec3).collect(),
+        normals: normals.map(|normals| normals.into_iter().map(Vec3::as_dvec3).collect()),
         texcoords,
         attributes,
         triangles,

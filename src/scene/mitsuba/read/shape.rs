@@ -84,7 +84,7 @@ impl Reader<'_> {
         Ok(Part { name: self.name_of(index), form, material, textured })
     }
 
-    fn form(&self, props: &Props<'_>) -> Result<Form> {
+    fn form(&mut self, props: &Props<'_>) -> Result<Form> {
         let to_world = props.to_world()?;
         if to_world.determinant() == 0.0 || !to_world.inverse().is_finite() {
             return Err(props.fault(
@@ -96,7 +96,9 @@ impl Reader<'_> {
         Ok(match props.node.plugin.as_str() {
             "rectangle" => Form::Mesh(mesh::rectangle(props, &to_world)?),
             "cube" => Form::Mesh(mesh::cube(props, &to_world)?),
-            "obj" | "ply" | "serialized" => Form::Mesh(mesh::file(self.document, props, &to_world)?),
+            "obj" | "ply" | "serialized" => {
+                Form::Mesh(mesh::file(self.document, props, &to_world, &mut self.warnings)?)
+            }
             "sphere" => {
                 let centre = props.vector("center")?.unwrap_or(DVec3::ZERO);
                 let radius = props.float_or("radius", 1.0)?;

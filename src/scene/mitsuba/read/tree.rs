@@ -73,7 +73,7 @@ impl Parser<'_> {
             let start = position(reader.buffer_position());
             let event = reader.read_event().map_err(|error| {
                 self.advance(position(reader.error_position()));
-                self.broken(error.to_string())
+                self.broken(&error.to_string())
             })?;
             self.advance(start);
             match event {
@@ -123,10 +123,10 @@ impl Parser<'_> {
         }
         let mut attributes: Vec<(String, String)> = Vec::new();
         for attribute in start.attributes() {
-            let attribute = attribute.map_err(|error| self.broken(error.to_string()))?;
+            let attribute = attribute.map_err(|error| self.broken(&error.to_string()))?;
             let value = attribute
                 .normalized_value(XmlVersion::Implicit1_0)
-                .map_err(|error| self.broken(error.to_string()))?
+                .map_err(|error| self.broken(&error.to_string()))?
                 .into_owned();
             attributes.push((text(attribute.key.as_ref()), value));
         }
@@ -145,7 +145,7 @@ impl Parser<'_> {
         Ok(())
     }
 
-    fn broken(&self, problem: String) -> Fault {
+    fn broken(&self, problem: &str) -> Fault {
         self.fault(&format!("is no XML: {problem}"), "correct the file")
     }
 

@@ -18,7 +18,9 @@ fn the_scenes_of_bitterli_load_unchanged() {
         let options = ReadOptions { camera: None, parameters };
         read_with(&folder.join(name).join("scene.xml"), &options).unwrap_or_else(|error| panic!("{error}"))
     };
-    for (name, meshes, spheres, longest) in [("bitterli-cornell-box", 8, 0, 30), ("bitterli-veach-mis", 6, 3, 3)] {
+    for (name, meshes, spheres, longest) in
+        [("bitterli-cornell-box", 8, 0, 30), ("bitterli-veach-mis", 6, 3, 3), ("bitterli-veach-bidir", 14, 0, 7)]
+    {
         let scene = of(name);
         assert_eq!((scene.name.as_str(), scene.meshes.len(), scene.spheres.len()), (name, meshes, spheres));
         assert_eq!(scene.render.max_length, Some(longest));
