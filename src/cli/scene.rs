@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 use xxhash_rust::xxh3::Xxh3Default;
 
+use super::args::EnvironmentChoice;
 use crate::names::did_you_mean;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{EnvironmentDescription, FilmSize};
 use crate::scene::gltf;
 use crate::scene::mitsuba::read as xml;
+use crate::scene::texture::{self, Bitmap, Filter, Wrap};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
-use crate::spectrum::Rgb;
 
 use super::UsageError;
 
@@ -33,8 +34,8 @@ pub(crate) struct LoadOptions {
     pub camera: Option<String>,
     /// Size of the image instead of the scene's.
     pub film: Option<FilmSize>,
-    /// Constant environment instead of the scene's.
-    pub environment: Option<Rgb>,
+    /// Environment instead of the scene's.
+    pub environment: Option<EnvironmentChoice>,
     /// How emitters are chosen.
     pub light_selection: LightSelection,
     /// Values of the parameters of an XML scene.
@@ -48,7 +49,9 @@ pub(crate) struct LoadOptions {
 pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedScene> {
     let file = find(word)?;
     let mut description = read(&file, options)?;
-    description.environment = options.environment.map(Into::into).or(description.environment);
+    if let Some(choice) = &options.environment {
+        description.environment = Some(environment(choice)?);
+    }
     let scene_options = SceneOptions { film: options.film, light_selection: options.light_selection };
     let (scene, notes) = Scene::build(&description, scene_options)?;
     if description.sensor.is_none() {
@@ -69,6 +72,19 @@ fn read(file: &Path, options: &LoadOptions) -> anyhow::Result<SceneDescription> 
         bail!(UsageError(format!("-D {name}: {} is no .xml file and has no parameters", file.display())));
     }
     Ok(gltf::read_with(file, &gltf::ReadOptions { camera })?)
+}
+
+fn environment(choice: &EnvironmentChoice) -> anyhow::Result<EnvironmentDescription> {
+    Ok(match choice {
+        EnvironmentChoice::Constant(radiance) => EnvironmentDescription::Constant(*radiance),
+        EnvironmentChoice::Image(file) => {
+            let (width, height, texels) = texture::read(file, false)?;
+            let name = file.display().to_string();
+            let (filter, wrap) = (Filter::Bilinear, [Wrap::Repeat, Wrap::Clamp]);
+            let bitmap = Bitmap { name, width, height, texels, filter, wrap }.into();
+            EnvironmentDescription::Map { bitmap, scale: 1.0, to_world: glam::DMat3::IDENTITY }
+        }
+    })
 }
 
 /// The notes, one line each on stderr.

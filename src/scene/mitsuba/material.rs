@@ -31,6 +31,11 @@ impl<'a> Materials<'a> {
         Ok(if wrap { Element::plugin("bsdf", "twosided").child(element) } else { element })
     }
 
+    /// The images that elements refer to.
+    pub(super) fn images(&mut self) -> &mut Images {
+        &mut self.images
+    }
+
     /// Writes what the elements refer to.
     pub(super) fn write_images(&self, folder: &Path) -> Result<(), ExportError> {
         self.images.write(folder)

@@ -3,10 +3,12 @@
 
 mod error;
 mod export;
+mod light;
 mod material;
 mod ply;
 pub mod read;
 mod sensor;
+mod shape;
 mod texture;
 mod xml;
 

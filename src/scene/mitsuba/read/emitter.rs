@@ -122,8 +122,7 @@ impl Reader<'_> {
         let mut bitmap = (*bitmap).clone();
         bitmap.wrap[1] = Wrap::Clamp;
         let [x, y, z] = frame(props)?;
-        // In the middle of a row of Mitsuba's maps is +z.
-        let to_world = DMat3::from_cols(-x, y, -z);
+        let to_world = DMat3::from_cols(x, y, z);
         Ok(EnvironmentDescription::Map { bitmap: bitmap.into(), scale, to_world })
     }
 

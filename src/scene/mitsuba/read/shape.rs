@@ -1,12 +1,10 @@
 //! `<shape>`: meshes, analytic shapes, groups and their instances.
 
-use std::collections::HashSet;
-
-use glam::{DMat3, DMat4, DVec3};
+use glam::{DAffine3, DMat3, DMat4, DVec3};
 
 use super::fault::{Fault, Result};
 use super::mesh::{self, Local};
-use super::node::{Kind, Value};
+use super::node::Kind;
 use super::props::Props;
 use super::reader::Reader;
 use crate::geometry::Frame;
@@ -28,8 +26,6 @@ pub(super) struct Part {
     name: String,
     form: Form,
     material: usize,
-    /// Its material has a texture.
-    textured: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -39,7 +35,7 @@ enum Form {
     /// From the unit sphere.
     Sphere { to_world: DMat4, inward: bool },
     /// From the unit disk, its front on the side of +z.
-    Disk { to_world: DMat4 },
+    Disk { to_world: DMat4, flip: bool },
     /// From the unit cylinder from z = 0 to z = 1.
     Cylinder { to_world: DMat4, inward: bool },
 }
@@ -80,8 +76,7 @@ impl Reader<'_> {
             self.sensors.push((sensor, Some(index)));
         }
         let material = self.material(bsdf, emitter)?;
-        let textured = bsdf.is_some_and(|bsdf| self.has_texture(bsdf)) || emitter.is_some_and(|e| self.has_texture(e));
-        Ok(Part { name: self.name_of(index), form, material, textured })
+        Ok(Part { name: self.name_of(index), form, material })
     }
 
     fn form(&mut self, props: &Props<'_>) -> Result<Form> {
@@ -110,10 +105,7 @@ impl Reader<'_> {
                 let inward = props.boolean_or("flip_normals", false)? != (own.determinant() < 0.0);
                 Form::Sphere { to_world: own, inward }
             }
-            "disk" => {
-                let flip = if props.boolean_or("flip_normals", false)? { -1.0 } else { 1.0 };
-                Form::Disk { to_world: to_world * DMat4::from_scale(DVec3::new(1.0, 1.0, flip)) }
-            }
+            "disk" => Form::Disk { to_world, flip: props.boolean_or("flip_normals", false)? },
             "cylinder" => {
                 let radius = props.float_or("radius", 1.0)?;
                 let p0 = props.vector("p0")?.unwrap_or(DVec3::ZERO);
@@ -140,28 +132,10 @@ impl Reader<'_> {
         })
     }
 
-    /// Some texture is among what it is made of.
-    fn has_texture(&self, index: usize) -> bool {
-        let mut seen = HashSet::from([index]);
-        let mut open = vec![index];
-        while let Some(node) = open.pop() {
-            let node = &self.document.nodes[node];
-            if matches!(node.plugin.as_str(), "bitmap" | "checkerboard" | "mesh_attribute") {
-                return true;
-            }
-            let children = node.properties.iter().filter_map(|property| match property.value {
-                Value::Object(child) => Some(child),
-                _ => None,
-            });
-            open.extend(children.filter(|&child| seen.insert(child)));
-        }
-        false
-    }
-
     /// Adds a shape to the scene, by an instance or directly.
     fn place(&mut self, part: Part, instance: Option<&DMat4>, index: usize) -> Result<()> {
         let node = &self.document.nodes[index].place;
-        let Part { name, form, material, textured } = part;
+        let Part { name, form, material } = part;
         let by = instance.copied().unwrap_or(DMat4::IDENTITY);
         match form {
             Form::Mesh(local) => {
@@ -182,14 +156,8 @@ impl Reader<'_> {
                 let axes = DMat3::from_cols(axes.x_axis, axes.y_axis, axes.z_axis);
                 self.scene.spheres.push(Sphere { name, centre, radius, axes, inward, material });
             }
-            Form::Disk { to_world } => {
-                let m = by * to_world;
-                let mirrored = m.determinant() < 0.0;
-                let axes = [m.x_axis.truncate(), m.y_axis.truncate()];
-                // The front is where the transformed +z points, which is against the cross product then.
-                let axes = if mirrored { [axes[0], -axes[1]] } else { axes };
-                self.refuse_mirrored(mirrored && textured, index)?;
-                self.scene.disks.push(Disk { name, centre: m.w_axis.truncate(), axes, material });
+            Form::Disk { to_world, flip } => {
+                self.scene.disks.push(Disk::transformed(name, &DAffine3::from_mat4(by * to_world), flip, material));
             }
             Form::Cylinder { to_world, inward } => {
                 let m = by * to_world;
@@ -203,21 +171,10 @@ impl Reader<'_> {
                     let problem = "is made oblique or elliptic by its transform";
                     return Err(Fault::new(node, problem, "scale it alike across its axis"));
                 }
-                self.refuse_mirrored(m.determinant() < 0.0 && textured, index)?;
-                let base = m.w_axis.truncate();
-                let meridian = x / radius;
-                self.scene.cylinders.push(Cylinder { name, base, axis, radius, meridian, inward, material });
+                self.scene.cylinders.push(Cylinder::transformed(name, &DAffine3::from_mat4(m), inward, material));
             }
         }
         Ok(())
-    }
-
-    fn refuse_mirrored(&self, refuse: bool, index: usize) -> Result<()> {
-        if !refuse {
-            return Ok(());
-        }
-        let problem = "is mirrored by its transform and has a texture, whose coordinates would run backwards";
-        Err(Fault::new(&self.document.nodes[index].place, problem, "rotate it instead"))
     }
 
     /// The shapes of a group.
