@@ -35,7 +35,7 @@ impl<'a> Reader<'a> {
         Self {
             document,
             scene: SceneDescription::default(),
-            warnings: Warnings::default(),
+            warnings: document.warnings.clone(),
             textures: Textures::default(),
             bsdfs: HashMap::new(),
             materials: HashMap::new(),

@@ -98,11 +98,12 @@ impl Reader<'_> {
             "perspective" | "thinlens" => {
                 let horizontal = fov::horizontal(props, film.aspect())?;
                 let vertical_fov = 2.0 * libm::atan(libm::tan(0.5 * horizontal) / film.aspect());
-                shift.x = props.float_or("principal_point_offset_x", 0.0)?;
-                shift.y = props.float_or("principal_point_offset_y", 0.0)?;
-                let whole = film.crop == film.size;
-                let aspect = if whole { None } else { Some(film.aspect()) };
-                Projection::Perspective { vertical_fov, aspect, lens: self.lens(props)? }
+                // A thin lens of Mitsuba has no such parameters.
+                if plugin == "perspective" {
+                    shift.x = props.float_or("principal_point_offset_x", 0.0)?;
+                    shift.y = props.float_or("principal_point_offset_y", 0.0)?;
+                }
+                Projection::Perspective { vertical_fov, aspect: None, lens: self.lens(props)? }
             }
             "orthographic" => {
                 let half_width = props.to_world()?.x_axis.truncate().length();

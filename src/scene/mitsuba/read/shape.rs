@@ -139,7 +139,7 @@ impl Reader<'_> {
         let by = instance.copied().unwrap_or(DMat4::IDENTITY);
         match form {
             Form::Mesh(local) => {
-                let local = if instance.is_some() { local.placed(&by, false) } else { local };
+                let local = if instance.is_some() { local.placed(&by, false, true) } else { local };
                 let Local { positions, normals, texcoords, attributes, triangles } = local;
                 self.scene.meshes.push(Mesh { name, positions, normals, texcoords, attributes, triangles, material });
             }
