@@ -6,7 +6,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 pub(crate) use crate::experiment::manifest::MaxLength;
 use crate::report::Metric;
 use crate::scene::LightSelection;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{FilmSize, PixelFilter};
 use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
 
@@ -27,6 +27,11 @@ pub(crate) struct SceneArgs {
     /// Radiance of a constant environment [W/m²/sr], for scenes without light [default: the scene's]
     #[arg(long, value_name = "R,G,B|GREY", value_parser = radiance)]
     pub environment: Option<Rgb>,
+
+    /// How a pixel responds to what is seen around it: box, tent[:RADIUS], gaussian[:STDDEV], in pixels [default: the
+    /// scene's]
+    #[arg(long = "filter", value_name = "FILTER", value_parser = pixel_filter)]
+    pub pixel_filter: Option<PixelFilter>,
 }
 
 /// A whole number of edges from 1 on, or `none`.
@@ -90,6 +95,11 @@ pub(crate) fn film_size(text: &str) -> Result<FilmSize, String> {
         Some(FilmSize { width: width.trim().parse().ok()?, height: height.trim().parse().ok()? })
     };
     parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, for example 640x480".into())
+}
+
+/// `box`, `tent:1` or `gaussian:0.5`.
+pub(crate) fn pixel_filter(text: &str) -> Result<PixelFilter, String> {
+    text.parse().map_err(str::to_owned)
 }
 
 /// Three channels, or one for all.

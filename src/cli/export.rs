@@ -38,8 +38,8 @@ pub(super) struct ExportArgs {
 }
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let SceneArgs { film, camera, environment } = args.take.clone();
-    let options = LoadOptions { camera, film, environment, ..LoadOptions::default() };
+    let SceneArgs { film, camera, environment, pixel_filter: filter } = args.take.clone();
+    let options = LoadOptions { camera, film, environment, filter, ..LoadOptions::default() };
     let loaded = scene::load(&args.scene, &options)?;
     scene::show(&loaded.notes);
     let options = ExportOptions {

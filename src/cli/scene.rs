@@ -7,7 +7,7 @@ use anyhow::{anyhow, bail};
 use xxhash_rust::xxh3::Xxh3Default;
 
 use crate::names::did_you_mean;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{FilmSize, PixelFilter};
 use crate::scene::gltf::{self, ReadOptions};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
@@ -32,6 +32,8 @@ pub(crate) struct LoadOptions {
     pub film: Option<FilmSize>,
     /// Constant environment instead of the scene's.
     pub environment: Option<Rgb>,
+    /// Pixel filter instead of the scene's.
+    pub filter: Option<PixelFilter>,
     /// How emitters are chosen.
     pub light_selection: LightSelection,
 }
@@ -44,6 +46,7 @@ pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedS
     let file = find(word)?;
     let mut description = gltf::read_with(&file, &ReadOptions { camera: options.camera.clone() })?;
     description.environment = options.environment.map(Into::into).or(description.environment);
+    description.filter = options.filter.unwrap_or(description.filter);
     let scene_options = SceneOptions { film: options.film, light_selection: options.light_selection };
     let (scene, notes) = Scene::build(&description, scene_options)?;
     if description.sensor.is_none() {

@@ -24,8 +24,18 @@ fn check<E: Estimator>(scene: &SceneDescription, estimator: &E) {
     assert_eq!(comparison.hidden, 0, "{}: edges that the walk has drawn are denied", scene.name);
 }
 
-fn all_scenes() -> [SceneDescription; 5] {
-    [scenes::room(FILM), scenes::cabinet(FILM), scenes::terrace(FILM), scenes::gallery(FILM), scenes::veneer(FILM)]
+fn all_scenes() -> impl Iterator<Item = SceneDescription> {
+    let cameras: [fn(FilmSize) -> SceneDescription; 7] = [
+        scenes::room,
+        scenes::cabinet,
+        scenes::terrace,
+        scenes::gallery,
+        scenes::veneer,
+        scenes::vignette,
+        scenes::frieze,
+    ];
+    let meters: [fn(FilmSize) -> SceneDescription; 2] = [scenes::photometer, scenes::overlook];
+    cameras.into_iter().chain(meters).map(|scene| scene(FILM))
 }
 
 const SETTINGS: [&str; 5] = [

@@ -112,3 +112,16 @@ pub struct Cylinder {
     /// Index into [`SceneDescription::materials`](super::SceneDescription::materials).
     pub material: usize,
 }
+
+/// A shape of a scene: its place in the description's list of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShapeIndex {
+    /// A triangle mesh.
+    Mesh(usize),
+    /// A sphere.
+    Sphere(usize),
+    /// A disk.
+    Disk(usize),
+    /// A cylinder.
+    Cylinder(usize),
+}
