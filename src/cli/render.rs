@@ -39,7 +39,7 @@ const DEFAULT_SPP: u64 = 64;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct RenderArgs {
-    /// A .gltf or .glb file, a folder with one, or the name of a folder in scenes/
+    /// A .gltf, .glb or Mitsuba .xml file, a folder with one, or the name of a folder in scenes/
     scene: PathBuf,
 
     /// Integrator, with settings if you like; `pathspace list` shows them [default: path]
@@ -111,6 +111,9 @@ struct RunSettings {
     camera: Option<String>,
     #[serde(default)]
     filter: PixelFilter,
+    /// Of the scene.
+    #[serde(default)]
+    parameters: BTreeMap<String, String>,
     /// See [`scene::fingerprint`].
     scene: String,
 }
@@ -180,6 +183,7 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
         light_selection: light_selection_of(args, resumed.as_ref()),
         camera: camera_of(args, resumed.as_ref()),
         filter: loaded.description.filter,
+        parameters: loaded.description.parameters.clone(),
         scene: scene::fingerprint(&loaded.description),
     };
     let mut info = RenderInfo {
@@ -226,14 +230,21 @@ fn camera_of(args: &RenderArgs, resumed: Option<&Resumed>) -> Option<String> {
     args.take.camera.clone().or_else(|| resumed.and_then(|r| r.settings.camera.clone()))
 }
 
+/// Those of the image that is gone on with, and what the command line says instead.
+fn parameters_of(args: &RenderArgs, resumed: Option<&Resumed>) -> Vec<(String, String)> {
+    let resumed = resumed.map(|r| r.settings.parameters.clone()).unwrap_or_default();
+    resumed.into_iter().chain(args.take.defined.parameters.clone()).collect()
+}
+
 fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<LoadedScene> {
     let size = resumed.map(|r| FilmSize { width: r.film.width(), height: r.film.height() });
     let options = LoadOptions {
         camera: camera_of(args, resumed),
         film: args.take.film.or(size),
-        environment: args.take.environment,
+        environment: args.take.environment.clone(),
         filter: args.take.pixel_filter.or(resumed.map(|r| r.settings.filter)),
         light_selection: light_selection_of(args, resumed),
+        parameters: parameters_of(args, resumed),
     };
     scene::load(&args.scene, &options)
 }

@@ -24,18 +24,24 @@ fn check<E: Estimator>(scene: &SceneDescription, estimator: &E) {
     assert_eq!(comparison.hidden, 0, "{}: edges that the walk has drawn are denied", scene.name);
 }
 
-fn all_scenes() -> impl Iterator<Item = SceneDescription> {
-    let cameras: [fn(FilmSize) -> SceneDescription; 7] = [
-        scenes::room,
-        scenes::cabinet,
-        scenes::terrace,
-        scenes::gallery,
-        scenes::veneer,
-        scenes::vignette,
-        scenes::frieze,
+fn all_scenes() -> [SceneDescription; 12] {
+    use scenes::{cabinet, gallery, lanterns, observatory, room, showroom, terrace, veneer};
+    use scenes::{frieze, overlook, photometer, vignette};
+    let makers = [
+        room,
+        cabinet,
+        terrace,
+        gallery,
+        veneer,
+        showroom,
+        lanterns,
+        observatory,
+        vignette,
+        frieze,
+        photometer,
+        overlook,
     ];
-    let meters: [fn(FilmSize) -> SceneDescription; 2] = [scenes::photometer, scenes::overlook];
-    cameras.into_iter().chain(meters).map(|scene| scene(FILM))
+    makers.map(|make| make(FILM))
 }
 
 const SETTINGS: [&str; 5] = [

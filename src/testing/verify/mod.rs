@@ -56,18 +56,10 @@ fn stages() -> Vec<Stage> {
     let (l, rho) = (emission.to_array(), reflectance.to_array());
     let truncated = Rgb::from([0, 1, 2].map(|c| channel(l[c], rho[c]))).luminance();
     let enclosure = Stage { scene: scenes::enclosure(emission, reflectance, FILM), known: Some(truncated) };
-    let others = [
-        scenes::room,
-        scenes::bazaar,
-        scenes::cabinet,
-        scenes::terrace,
-        scenes::gallery,
-        scenes::veneer,
-        scenes::vignette,
-        scenes::frieze,
-        scenes::photometer,
-        scenes::overlook,
-    ];
+    use scenes::{bazaar, cabinet, gallery, lanterns, observatory, room, showroom, terrace, veneer};
+    use scenes::{frieze, overlook, photometer, vignette};
+    let cameras = [room, bazaar, cabinet, terrace, gallery, veneer, showroom, lanterns, observatory, vignette, frieze];
+    let others = cameras.into_iter().chain([photometer, overlook]);
     std::iter::once(enclosure).chain(others.map(|make| Stage { scene: make(FILM), known: None })).collect()
 }
 
