@@ -61,7 +61,11 @@ pub(super) fn sensor(scene: &SceneDescription, options: &ExportOptions) -> Resul
             };
             (element.frame(left, sensor.up, sensor.forward, sensor.position), crop)
         }
-        Projection::Hemisphere | Projection::Window { .. } | Projection::Ray => {
+        Projection::Hemisphere
+        | Projection::Window { .. }
+        | Projection::Ray
+        | Projection::Surface { .. }
+        | Projection::Distant { .. } => {
             let remedy = "choose a camera";
             return Err(ExportError::unsupported(&scene.name, place, "meters that are no cameras", remedy));
         }
