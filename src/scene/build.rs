@@ -184,8 +184,8 @@ impl Builder<'_> {
                 camera.projection
             {
                 let seen = u.cross(v).dot(camera.forward).abs();
-                // Not so for a side that is no number either.
-                if !(seen > 1e-9 * u.length() * v.length()) {
+                let edge_on = seen <= 1e-9 * u.length() * v.length();
+                if edge_on || !seen.is_finite() {
                     let what = "it sees its target edge-on: turn one of them, or give the target an area";
                     return Err(self.invalid(&format!("sensor '{}'", camera.name), what));
                 }

@@ -20,7 +20,7 @@
 //! the column.
 
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
-use std::ops::RangeInclusive;
+use std::ops::Range;
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -118,11 +118,11 @@ impl Axis {
     }
 
     /// The pixels whose profiles reach r.
-    fn reaching(&self, r: f64) -> RangeInclusive<u32> {
+    fn reaching(&self, r: f64) -> Range<u32> {
         let radius = self.profile.radius();
         let first = (r - radius - 0.5).ceil().max(0.0) as u32;
-        let last = (r + radius - 0.5).floor().min(self.end() - 1.0);
-        if last < 0.0 { 1..=0 } else { first..=last as u32 }
+        let end = (r + radius + 0.5).floor().min(self.end());
+        first..end as u32
     }
 
     /// `h_j(r)` along this axis.
