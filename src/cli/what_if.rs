@@ -61,6 +61,7 @@ pub(super) fn run(registry: &Registry, args: &WhatIfArgs) -> anyhow::Result<Outc
         film: args.take.film,
         environment: args.take.environment.clone(),
         parameters: args.take.defined.parameters.clone(),
+        materials: args.take.defined.materials.unwrap_or_default(),
         ..LoadOptions::default()
     };
     let loaded = scene::load(&args.scene, &options)?;
