@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::estimator::{Method, Registry};
 use crate::film::{Film, OutputFormat, RenderInfo, ReplayKey, check_writable, state};
 use crate::scene::LightSelection;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{FilmSize, PixelFilter};
 use crate::scene::gltf::MaterialModel;
 
 use super::args::{self, MaxLength, SceneArgs};
@@ -110,6 +110,8 @@ struct RunSettings {
     integrator: BTreeMap<String, String>,
     light_selection: LightSelection,
     camera: Option<String>,
+    #[serde(default)]
+    filter: PixelFilter,
     /// Of the scene.
     #[serde(default)]
     parameters: BTreeMap<String, String>,
@@ -154,6 +156,7 @@ impl Resumed {
             ("seed", self.info.seed.to_string(), info.seed.to_string()),
             ("integrator", methods(&self.settings, &self.info.integrator), methods(settings, &info.integrator)),
             ("light selection", lights(&self.settings), lights(settings)),
+            ("pixel filter", self.settings.filter.to_string(), settings.filter.to_string()),
             ("content of the scene", self.settings.scene.clone(), settings.scene.clone()),
         ];
         match pairs.into_iter().find(|(_, theirs, ours)| theirs != ours) {
@@ -182,6 +185,7 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
         integrator: method.settings.clone(),
         light_selection: light_selection_of(args, resumed.as_ref()),
         camera: camera_of(args, resumed.as_ref()),
+        filter: loaded.description.filter,
         parameters: loaded.description.parameters.clone(),
         materials: materials_of(args, resumed.as_ref()),
         scene: scene::fingerprint(&loaded.description),
@@ -248,6 +252,7 @@ fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<Lo
         camera: camera_of(args, resumed),
         film: args.take.film.or(size),
         environment: args.take.environment.clone(),
+        filter: args.take.pixel_filter.or(resumed.map(|r| r.settings.filter)),
         light_selection: light_selection_of(args, resumed),
         parameters: parameters_of(args, resumed),
         materials: materials_of(args, resumed),
