@@ -1,5 +1,7 @@
 //! Small scenes with known answers, and some that have a bit of everything.
 
+mod shapes;
+
 use std::sync::Arc;
 
 use glam::{DAffine2, DVec2, DVec3, Vec2};
@@ -11,6 +13,8 @@ use crate::scene::description::{
 use crate::scene::texture::{Parameter, Texture};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
+
+pub use shapes::{lanterns, observatory, patches};
 
 /// A rectangle with corners `origin`, `origin + u`, `origin + u + v`, `origin + v`; its front is where u × v points.
 #[must_use]

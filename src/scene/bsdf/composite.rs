@@ -91,7 +91,9 @@ impl Composite {
             }
             leaf => {
                 let bsdf = Bsdf::new(leaf)?;
-                if leaf.textures().is_empty() {
+                // glTF turns its anisotropy by where v goes.
+                let turned = matches!(leaf, BsdfDescription::Gltf(gltf) if gltf.anisotropy.is_some());
+                if leaf.textures().is_empty() && !turned {
                     Self::Leaf(bsdf)
                 } else {
                     Self::Textured(Box::new(TexturedLeaf { description: leaf.clone(), example: bsdf }))
@@ -203,6 +205,7 @@ impl BsdfDescription {
             } => {
                 vec![texture]
             }
+            Self::Gltf(gltf) => gltf.textures(),
             Self::Null | Self::TwoSided { .. } => Vec::new(),
         }
     }
@@ -439,6 +442,8 @@ impl BsdfModel for CompositeAt<'_> {
                 let u = [u[0], u[1], u2.min(1.0_f64.next_down())];
                 let sample = self.in_frame(frame, nested).sample(side, nested_from, u)?;
                 let to = frame.to_outer(sample.to);
+                // What this frame refuses is not to pass for a sample of the other one.
+                frame.same_side(to)?;
                 let dirac = matches!(sample.density, LobeDensity::Dirac(_));
                 let (_, to_sensor) = side.by_role(from, to);
                 // Another frame's mirror joins nothing to the sensor.

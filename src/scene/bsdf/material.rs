@@ -145,6 +145,7 @@ impl Bsdf {
                 Self::RoughPlastic(RoughPlastic::new(coat, base))
             }
             BsdfDescription::Principled(parameters) => Self::Principled(Box::new(principled(parameters, source))),
+            BsdfDescription::Gltf(gltf) => Self::Gltf(Box::new(source.gltf(gltf))),
             BsdfDescription::Null
             | BsdfDescription::TwoSided { .. }
             | BsdfDescription::Mask { .. }

@@ -9,6 +9,7 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
+mod gltf;
 mod material;
 mod microfacet;
 mod perturbed;
@@ -33,6 +34,7 @@ pub(crate) use composite::{Composite, CompositeAt};
 pub use conductor::{Conductor, RoughConductor};
 pub use dielectric::{Dielectric, Tints};
 pub use diffuse::Diffuse;
+pub use gltf::Gltf;
 pub use material::MaterialError;
 pub use microfacet::{Beckmann, Ggx, Microfacets};
 pub use plastic::{Base, Plastic};
@@ -172,6 +174,8 @@ pub enum Bsdf {
     RoughPlastic(RoughPlastic),
     /// Disney's.
     Principled(Box<Principled>),
+    /// glTF's own.
+    Gltf(Box<Gltf>),
     /// A research model from outside.
     Custom(Arc<dyn BsdfModel>),
 }
@@ -188,6 +192,7 @@ macro_rules! dispatch {
             Bsdf::Plastic($model) => $answer,
             Bsdf::RoughPlastic($model) => $answer,
             Bsdf::Principled($model) => $answer,
+            Bsdf::Gltf($model) => $answer,
             Bsdf::Custom($model) => $answer,
         }
     };
@@ -208,6 +213,7 @@ impl Bsdf {
             Self::Plastic(model) => model,
             Self::RoughPlastic(model) => model,
             Self::Principled(model) => model.as_ref(),
+            Self::Gltf(model) => model.as_ref(),
         }
     }
 

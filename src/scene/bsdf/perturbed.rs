@@ -49,6 +49,11 @@ impl TurnedNormal {
         self.frame_of(self.facing(to_sensor))
     }
 
+    /// The frame of the normal as the texture has it, for models that are black where it looks away.
+    pub(super) fn frame_as_it_is(&self) -> TurnedFrame {
+        self.frame_of(self.normal)
+    }
+
     fn frame_of(&self, z: DVec3) -> TurnedFrame {
         let along = self.along - z * z.dot(self.along);
         let x = along.try_normalize().unwrap_or_else(|| z.any_orthonormal_vector());

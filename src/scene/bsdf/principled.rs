@@ -105,13 +105,13 @@ impl Principled {
         }
         let mut sum = Rgb::grey((1.0 - metallic) * (1.0 - spec_tint) * dielectric);
         if metallic > 0.0 {
-            sum = sum + self.schlick(self.base_color, cos) * metallic;
+            sum += self.schlick(self.base_color, cos) * metallic;
         }
         if spec_tint > 0.0 {
             let eta = self.glass.interface.index(-1.0);
             let along_normal = self.glass.interface.contrast() / (eta + 1.0);
             let f0 = self.tint() * (along_normal * along_normal);
-            sum = sum + self.schlick(f0, cos) * ((1.0 - metallic) * spec_tint);
+            sum += self.schlick(f0, cos) * ((1.0 - metallic) * spec_tint);
         }
         sum
     }

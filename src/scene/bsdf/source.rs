@@ -4,8 +4,8 @@ use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use super::fresnel::Interface;
-use super::{Base, MaterialError, Microfacets, RoughCoat, Tints};
-use crate::scene::description::ConductorFresnel;
+use super::{Base, Gltf, MaterialError, Microfacets, RoughCoat, Tints, gltf};
+use crate::scene::description::{ConductorFresnel, GltfDescription};
 use crate::scene::texture::{Parameter, SurfacePoint, clamped};
 use crate::spectrum::Rgb;
 
@@ -21,6 +21,7 @@ pub(super) trait Source {
     fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel;
     fn number(&mut self, parameter: &'static str, of: &Parameter<f64>) -> f64;
     fn eta(&mut self, eta: f64) -> f64;
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf;
     /// `None` where it would have to be integrated anew for each point.
     fn coat(&mut self, distribution: Microfacets, interface: Interface) -> Option<Arc<RoughCoat>>;
 
@@ -94,6 +95,11 @@ impl Source for Checked {
         self.take(if INDICES.contains(&value) { Ok(value) } else { Err(fault) }, 1.5)
     }
 
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf {
+        self.take(gltf::check(description), ());
+        Gltf::typical(description)
+    }
+
     fn coat(&mut self, distribution: Microfacets, interface: Interface) -> Option<Arc<RoughCoat>> {
         // Not for parameters that are refused in the end.
         self.fault.is_none().then(|| Arc::new(RoughCoat::new(distribution, interface)))
@@ -123,6 +129,10 @@ impl Source for &SurfacePoint<'_> {
 
     fn eta(&mut self, eta: f64) -> f64 {
         eta
+    }
+
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf {
+        Gltf::at(description, self)
     }
 
     fn coat(&mut self, _: Microfacets, _: Interface) -> Option<Arc<RoughCoat>> {
@@ -163,7 +173,7 @@ fn checked_fresnel(fresnel: &ConductorFresnel) -> Result<ConductorFresnel, Mater
     Ok(fresnel.clone())
 }
 
-fn share(parameter: &'static str, value: Rgb) -> Result<Rgb, MaterialError> {
+pub(super) fn share(parameter: &'static str, value: Rgb) -> Result<Rgb, MaterialError> {
     channels(parameter, value, 1.0, "0 … 1")
 }
 

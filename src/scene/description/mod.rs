@@ -3,11 +3,13 @@
 //! Everything is in world coordinates and double precision, as composed from the file's transforms. Readers check what
 //! only they can name (a place in the file); [`Scene::build`](super::Scene::build) checks the rest.
 
+mod gltf;
 mod light;
 mod material;
 mod sensor;
 mod shape;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -15,6 +17,7 @@ use serde::{Deserialize, Serialize};
 use super::meter::NamedMeter;
 use crate::spectrum::Rgb;
 
+pub use gltf::{GltfAnisotropy, GltfCoat, GltfDescription, GltfSheen, GltfVolume, Slot};
 pub use light::{EnvironmentDescription, Light, LightKind};
 pub use material::{BsdfDescription, ConductorFresnel, Material, MicrofacetKind, NormalSource, PrincipledDescription};
 pub use sensor::{FilmSize, Lens, PixelFilter, Projection, SensorDescription};
@@ -53,6 +56,8 @@ pub struct SceneDescription {
     pub render: RenderHints,
     /// The image that its errors are measured against.
     pub reference: Option<Reference>,
+    /// Values of the file's parameters that were used, where its format has such.
+    pub parameters: BTreeMap<String, String>,
     /// What the reader took differently from what the file says; each a sentence for the user.
     pub warnings: Vec<String>,
 }

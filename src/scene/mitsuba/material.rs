@@ -31,6 +31,11 @@ impl<'a> Materials<'a> {
         Ok(if wrap { Element::plugin("bsdf", "twosided").child(element) } else { element })
     }
 
+    /// The images that elements refer to.
+    pub(super) fn images(&mut self) -> &mut Images {
+        &mut self.images
+    }
+
     /// Writes what the elements refer to.
     pub(super) fn write_images(&self, folder: &Path) -> Result<(), ExportError> {
         self.images.write(folder)
@@ -72,6 +77,10 @@ impl<'a> Materials<'a> {
                     self.rough("roughdielectric", *distribution, alpha, alpha_v.as_ref(), place)?
                 };
                 self.tints(indices(element, *interior_ior, *exterior_ior), reflectance, transmittance, place)?
+            }
+            BsdfDescription::Gltf(_) => {
+                let (what, remedy) = ("glTF's own material", "export with --materials principled");
+                return Err(ExportError::unsupported(&self.scene.name, place, what, remedy));
             }
             BsdfDescription::Plastic { interior_ior, exterior_ior, diffuse, specular, nonlinear } => {
                 let element = indices(Element::plugin("bsdf", "plastic"), *interior_ior, *exterior_ior);

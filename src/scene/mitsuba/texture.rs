@@ -56,7 +56,11 @@ impl Images {
             Texture::Attribute { name: attribute } => {
                 Element::plugin("texture", "mesh_attribute").with("name", name).string("name", attribute)
             }
-            Texture::Product(_) | Texture::Channel { .. } | Texture::Remapped { .. } => {
+            Texture::OtherCoordinates { .. } => {
+                let what = "a texture with its own set of texture coordinates";
+                return Err(ExportError::unsupported(&scene.name, place, what, "use one set for all textures"));
+            }
+            Texture::Step { .. } | Texture::Product(_) | Texture::Channel { .. } | Texture::Remapped { .. } => {
                 let (bitmap, to_uv) = baked(texture).ok_or_else(|| {
                     let what = "a texture that is computed from several";
                     ExportError::unsupported(&scene.name, place, what, "bake it into one image")
@@ -66,7 +70,8 @@ impl Images {
         })
     }
 
-    fn file(&mut self, bitmap: &Arc<Bitmap>) -> String {
+    /// The file that a bitmap will be in, relative to the scene's.
+    pub(super) fn file(&mut self, bitmap: &Arc<Bitmap>) -> String {
         if let Some((_, file)) = self.bitmaps.iter().find(|(known, _)| Arc::ptr_eq(known, bitmap)) {
             return file.clone();
         }
@@ -123,8 +128,10 @@ fn with_to_uv(element: Element, to_uv: &DAffine2) -> Element {
         return element;
     }
     let (m, t) = (to_uv.matrix2, to_uv.translation);
-    let rows = [m.x_axis.x, m.y_axis.x, t.x, m.x_axis.y, m.y_axis.y, t.y, 0.0, 0.0, 1.0];
-    let value = rows.map(|x| format!("{x:?}")).join(" ");
+    // Of a matrix of nine numbers Mitsuba would drop the translation.
+    let rows = [[m.x_axis.x, m.y_axis.x, 0.0, t.x], [m.x_axis.y, m.y_axis.y, 0.0, t.y], [0.0, 0.0, 1.0, 0.0]];
+    let rows = rows.as_flattened().iter().chain(&[0.0, 0.0, 0.0, 1.0]);
+    let value = rows.map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ");
     element.child(Element::new("transform").with("name", "to_uv").child(Element::new("matrix").with("value", value)))
 }
 
@@ -137,6 +144,8 @@ fn baked(texture: &Texture) -> Option<(Bitmap, DAffine2)> {
         Texture::Bitmap { .. }
         | Texture::Checkerboard { .. }
         | Texture::Attribute { .. }
+        | Texture::OtherCoordinates { .. }
+        | Texture::Step { .. }
         | Texture::Remapped { squared: true, .. } => simple = false,
         _ => {}
     });
@@ -160,6 +169,11 @@ fn of_texel(texture: &Texture, texel: [f64; 4]) -> [f64; 4] {
             [value, value, value, 1.0]
         }
         Texture::Remapped { of, scale, offset, .. } => of_texel(of, texel).map(|x| scale * x + offset),
-        Texture::Bitmap { .. } | Texture::Checkerboard { .. } | Texture::Attribute { .. } => texel,
+        // The last four are never asked for: interpolation does not commute with them.
+        Texture::Bitmap { .. }
+        | Texture::Checkerboard { .. }
+        | Texture::Attribute { .. }
+        | Texture::OtherCoordinates { .. }
+        | Texture::Step { .. } => texel,
     }
 }
