@@ -1,0 +1,27 @@
+//! The list of cases, as Mitsuba's side writes it.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use serde::Deserialize;
+
+/// A feature and its scene.
+#[derive(Clone, Debug, Deserialize)]
+pub(super) struct Case {
+    /// GROUP/FEATURE.
+    pub name: String,
+    /// The file, relative to the output.
+    pub scene: PathBuf,
+    /// Longest path in edges.
+    pub max_depth: u32,
+    /// So many pixels at the film's edge are left out.
+    pub border: u32,
+    /// Multiple of the usual number of samples.
+    pub effort: u64,
+    /// Mitsuba's integrators.
+    pub integrators: Vec<String>,
+}
+
+pub(super) fn read(path: &Path) -> anyhow::Result<Vec<Case>> {
+    serde_json::from_slice(&super::read(path)?).map_err(|error| anyhow!("{}: {error}; run again", path.display()))
+}

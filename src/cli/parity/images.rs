@@ -1,0 +1,132 @@
+//! Both images of a case: the same in expectation?
+
+use std::path::Path;
+
+use anyhow::anyhow;
+
+use crate::estimator::{Control, Registry};
+use crate::film::{BlockGrid, BlockStatistics, Film, Image, RenderInfo, write_image};
+use crate::report::npy::{Array, read_npy};
+use crate::report::{Agreement, AgreementSettings, Verdict as Tested};
+use crate::scene::Scene;
+use crate::spectrum::Rgb;
+
+use crate::cli::interrupt;
+
+use super::ParityArgs;
+use super::case::Case;
+use super::row::{ParityRow, Verdict};
+
+/// Probability that a report on faultless renderers has a failure.
+const SIGNIFICANCE: f64 = 1e-3;
+
+/// Our samples per pixel, where the effort is one; with --full.
+const SPP: [u64; 2] = [1024, 4096];
+
+/// Films of a single pixel have so many passes at most.
+const MOST_PASSES: u64 = 1 << 16;
+
+/// Of the normal distribution, for intervals of 95 %.
+const QUANTILE: f64 = 1.96;
+
+/// Ours and Mitsuba's integrators, of which the second estimate the same image.
+const PAIRS: [(&str, &str); 4] = [("path", "path"), ("light", "ptracer"), ("bdpt", "path"), ("light", "path")];
+
+/// Compares all pairs of integrators that there are images of.
+pub(super) fn compare(
+    registry: &Registry,
+    scene: &Scene,
+    case: &Case,
+    folder: &Path,
+    args: &ParityArgs,
+    cases: usize,
+) -> anyhow::Result<Vec<ParityRow>> {
+    let pairs = if args.full { &PAIRS[..3] } else { &PAIRS[..2] };
+    let has = |theirs: &str| case.integrators.iter().any(|name| name == theirs);
+    let pairs: Vec<_> = pairs.iter().filter(|(_, theirs)| has(theirs)).collect();
+    let tests = cases * (PAIRS.len() - 1);
+    let settings = AgreementSettings { significance: SIGNIFICANCE / tests as f64, ..AgreementSettings::default() };
+    let size = scene.sensor().film();
+    let mut rows = Vec::new();
+    for &&(ours, theirs) in &pairs {
+        let comparison = format!("{ours}/{theirs}");
+        let path = folder.join(format!("mitsuba-{theirs}.npy"));
+        let passes = read_npy(&path)?;
+        if passes.shape.get(1..) != Some(&[size.height as usize, size.width as usize, 3]) {
+            let what = format!("Mitsuba's image is {:?}, ours {} x {}", &passes.shape, size.width, size.height);
+            rows.push(ParityRow::new(&case.name, comparison, Verdict::Differ, what));
+            continue;
+        }
+        let mask = mask(size.width, size.height, case.border);
+        let their_statistics = statistics(&passes, size.width, size.height, &mask)?;
+        let film = render(registry, scene, ours, case, args, mask)?;
+        write_image(&folder.join(format!("ours-{ours}.exr")), &film, &RenderInfo::default(), 0.0)?;
+        let test = Agreement::test(film.block_statistics(), &their_statistics, &settings)?;
+        rows.push(row(&case.name, comparison, &test));
+    }
+    Ok(rows)
+}
+
+fn row(feature: &str, comparison: String, test: &Agreement) -> ParityRow {
+    let verdict = match test.verdict {
+        Tested::Agree => Verdict::Agree,
+        Tested::Differ => Verdict::Differ,
+        Tested::Undecided(_) => Verdict::Undecided,
+    };
+    ParityRow {
+        difference: Some(test.image.relative_difference),
+        interval: Some(QUANTILE * test.image.relative_error),
+        detectable: Some(test.image.detectable),
+        block_detectable: Some(test.block_detectable),
+        power: Some(test.power),
+        blocks_differing: Some(test.differing),
+        ..ParityRow::new(feature, comparison, verdict, test.to_string())
+    }
+}
+
+/// Pixels that count: all but the border.
+fn mask(width: u32, height: u32, border: u32) -> Vec<bool> {
+    let inside = |at: u32, size: u32| at >= border && at + border < size;
+    (0..height).flat_map(|y| (0..width).map(move |x| inside(x, width) && inside(y, height))).collect()
+}
+
+fn statistics(passes: &Array, width: u32, height: u32, mask: &[bool]) -> anyhow::Result<BlockStatistics> {
+    let mut statistics = BlockStatistics::new(BlockGrid::new(width, height, Some(mask))?);
+    for pass in passes.data.chunks_exact(3 * mask.len()) {
+        let pixels = pass.chunks_exact(3).map(|c| Rgb::new(c[0], c[1], c[2])).collect();
+        statistics.add_pass(&Image::new(width, height, pixels)?.block_means(Some(mask))?)?;
+    }
+    Ok(statistics)
+}
+
+fn render(
+    registry: &Registry,
+    scene: &Scene,
+    integrator: &str,
+    case: &Case,
+    args: &ParityArgs,
+    mask: Vec<bool>,
+) -> anyhow::Result<Film> {
+    let method = registry.build(integrator, &[("max_length", case.max_depth.to_string())])?;
+    let size = scene.sensor().film();
+    let mut film = Film::new(size.width, size.height, Some(mask))?;
+    let mut left = Passes((SPP[usize::from(args.full)] * case.effort).min(MOST_PASSES));
+    method.integrator.render(scene, args.seed, &mut film, &mut left);
+    if interrupt::requested() {
+        return Err(anyhow!("interrupted"));
+    }
+    Ok(film)
+}
+
+/// So many are left.
+struct Passes(u64);
+
+impl Control for Passes {
+    fn next_passes(&mut self, _: &Film) -> u64 {
+        /// Between two looks at the user's wishes.
+        const BATCH: u64 = 64;
+        let next = if interrupt::requested() { 0 } else { self.0.min(BATCH) };
+        self.0 -= next;
+        next
+    }
+}
