@@ -37,6 +37,7 @@ from pathspace.seeds import PassSeeds
 
 from .case import Case
 from .catalogue import chosen
+from .points import write_points
 
 SPP = 64
 """Samples per pixel of a pass."""
@@ -164,6 +165,9 @@ def serve(case: Case, options: argparse.Namespace, *, jit: bool) -> list[str]:
             for i in range(options.passes)
         ]
         write_array(folder / f"mitsuba-{name}.npy", np.stack(images).astype(np.float32))
+    if not options.no_points:
+        mi.set_variant("scalar_rgb")
+        write_points(folder / "points.json", case, mi.load_file(str(folder / "scene.xml")))
     return names
 
 
