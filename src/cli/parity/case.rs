@@ -20,6 +20,10 @@ pub(super) struct Case {
     pub effort: u64,
     /// Mitsuba's integrators.
     pub integrators: Vec<String>,
+    /// `same` where densities are Mitsuba's.
+    pub pdf: String,
+    /// Relative error of a table that Mitsuba has instead of a formula.
+    pub table: f64,
 }
 
 pub(super) fn read(path: &Path) -> anyhow::Result<Vec<Case>> {

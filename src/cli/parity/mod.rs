@@ -3,6 +3,7 @@
 mod case;
 mod images;
 mod mitsuba;
+mod points;
 mod row;
 mod table;
 
@@ -154,7 +155,9 @@ fn compare(registry: &Registry, args: &ParityArgs, case: &Case, cases: usize) ->
         Err(error) => return Ok(vec![ParityRow::missing(&case.name, &error.to_string())]),
     };
     let folder = args.output.join(&case.name);
-    images::compare(registry, &scene, case, &folder, args, cases)
+    let mut rows = images::compare(registry, &scene, case, &folder, args, cases)?;
+    rows.extend(points::compare(&scene, case, &folder)?);
+    Ok(rows)
 }
 
 fn outcome(rows: &[ParityRow]) -> Outcome {
