@@ -10,6 +10,7 @@ pub mod error;
 pub mod gltf;
 mod mapping;
 mod material;
+pub mod mesh_file;
 pub mod meter;
 pub mod mitsuba;
 mod scatter;

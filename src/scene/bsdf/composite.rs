@@ -78,6 +78,7 @@ impl Composite {
     }
 
     /// It needs no point to be evaluated at.
+    #[allow(clippy::result_large_err, reason = "called once for each material")]
     pub(crate) fn into_uniform(self) -> Result<Bsdf, Self> {
         match self {
             Self::Leaf(bsdf) if !bsdf.is_anisotropic() => Ok(bsdf),

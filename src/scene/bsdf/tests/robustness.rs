@@ -42,7 +42,7 @@ fn fresnel() -> impl Strategy<Value = ConductorFresnel> {
 fn any_bsdf() -> impl Strategy<Value = Bsdf> {
     prop_oneof![
         (0.0..=1.0_f64).prop_map(|r| BsdfDescription::Diffuse { reflectance: Rgb::new(r, 0.0, 1.0).into() }),
-        fresnel().prop_map(|fresnel| BsdfDescription::conductor(fresnel)),
+        fresnel().prop_map(BsdfDescription::conductor),
         (roughness(), fresnel()).prop_map(|(alpha, fresnel)| BsdfDescription::rough_conductor(alpha, fresnel)),
         (index(), index())
             .prop_map(|(interior_ior, exterior_ior)| BsdfDescription::dielectric(interior_ior, exterior_ior)),
