@@ -1,7 +1,7 @@
 """What a case is: a scene file of one feature, and how it is compared."""
 
 from dataclasses import dataclass
-from typing import Any
+from pathlib import Path
 
 FILM = 32
 """Side of a film [pixels]: four blocks."""
@@ -59,6 +59,10 @@ def film(side: int = FILM, rest: str = "", rfilter: str = '<rfilter type="box"/>
     )
 
 
+DEFAULTS = {"reflectance": "0.7, 0.4, 0.2", "alpha": "0.35", "radiance": "6, 5, 4"}
+"""Values of parameters, which our side may be given others of, to see that this is told."""
+
+
 @dataclass(frozen=True)
 class Case:
     """A feature, its scene, and what is compared."""
@@ -79,7 +83,12 @@ class Case:
     """Mitsuba has a table instead of a formula, whose resolution is worth this relative error."""
     effort: int = 1
     """Multiple of the usual number of samples."""
-    extra: dict[str, Any] | None = None
+    file: Path | None = None
+    """A scene that is there already."""
+    parameters: tuple[tuple[str, str], ...] = ()
+    """Values of its parameters."""
+    independent: Path | None = None
+    """An image of it by a third renderer."""
 
     @property
     def text(self) -> str:
@@ -89,7 +98,12 @@ class Case:
             f'\n  <integrator type="path">'
             f'<integer name="max_depth" value="{self.max_depth}"/></integrator>'
         )
-        return f'<scene version="3.0.0">{integrator}{body}\n</scene>\n'
+        defaults = "".join(
+            f'\n  <default name="{name}" value="{value}"/>'
+            for name, value in DEFAULTS.items()
+            if f"${name}" in body
+        )
+        return f'<scene version="3.0.0">{defaults}{integrator}{body}\n</scene>\n'
 
 
 def on(shape: str, bsdf: str) -> str:

@@ -7,9 +7,7 @@ GREYS = (
     '<texture type="bitmap" name="{}"><string name="filename" value="greys.png"/>'
     '<boolean name="raw" value="true"/></texture>'
 )
-DIFFUSE = (
-    '<bsdf type="diffuse"><rgb name="reflectance" value="0.7, 0.4, 0.2"/></bsdf>'
-)
+DIFFUSE = '<bsdf type="diffuse"><rgb name="reflectance" value="$reflectance"/></bsdf>'
 METAL = '<bsdf type="roughconductor"><string name="material" value="Cu"/><float name="alpha" value="0.4"/></bsdf>'
 
 
@@ -18,7 +16,7 @@ def bsdf(kind: str, *inside: str) -> str:
     return f'<bsdf type="{kind}">{"".join(inside)}</bsdf>'
 
 
-def number(name: str, value: float) -> str:
+def number(name: str, value: float | str) -> str:
     """Write a number."""
     return f'<float name="{name}" value="{value}"/>'
 
@@ -44,7 +42,7 @@ def microfacets(kind: str, *inside: str) -> list[tuple[str, str]]:
     for short, long in (("ggx", "ggx"), ("beckmann", "beckmann")):
         chosen = word("distribution", long)
         found += [
-            (f"{kind}-{short}", bsdf(kind, chosen, number("alpha", 0.35), *inside)),
+            (f"{kind}-{short}", bsdf(kind, chosen, number("alpha", "$alpha"), *inside)),
             (f"{kind}-{short}-anisotropic", bsdf(kind, chosen, wide, *inside)),
         ]
     chosen = word("distribution", "ggx")
@@ -79,23 +77,40 @@ def opaque() -> list[tuple[str, str]]:
     textured = COLOURS.format("diffuse_reflectance")
     alpha = number("alpha", 0.3)
     beckmann, ggx = word("distribution", "beckmann"), word("distribution", "ggx")
-    tinted = rgb("specular_reflectance", "0.9, 0.7, 0.5") + rgb("specular_transmittance", "0.5, 0.8, 0.9")
+    tinted = rgb("specular_reflectance", "0.9, 0.7, 0.5") + rgb(
+        "specular_transmittance", "0.5, 0.8, 0.9"
+    )
     return [
         ("diffuse", DIFFUSE),
         ("diffuse-textured", bsdf("diffuse", COLOURS.format("reflectance"))),
         ("conductor", bsdf("conductor", GOLD)),
         ("conductor-mirror", bsdf("conductor", word("material", "none"))),
-        ("conductor-textured", bsdf("conductor", word("material", "Al"), COLOURS.format("specular_reflectance"))),
-        *[(f"conductor-{m}", bsdf("conductor", word("material", m))) for m in ("Au", "Ag", "Cu", "Al", "W")],
+        (
+            "conductor-textured",
+            bsdf("conductor", word("material", "Al"), COLOURS.format("specular_reflectance")),
+        ),
+        *[
+            (f"conductor-{m}", bsdf("conductor", word("material", m)))
+            for m in ("Au", "Ag", "Cu", "Al", "W")
+        ],
         *microfacets("roughconductor", GOLD),
-        ("roughconductor-textured", bsdf("roughconductor", GOLD, alpha, COLOURS.format("specular_reflectance"))),
+        (
+            "roughconductor-textured",
+            bsdf("roughconductor", GOLD, alpha, COLOURS.format("specular_reflectance")),
+        ),
         ("dielectric", bsdf("dielectric", number("int_ior", 1.5), number("ext_ior", 1.0))),
-        ("dielectric-named", bsdf("dielectric", word("int_ior", "diamond"), word("ext_ior", "water"))),
+        (
+            "dielectric-named",
+            bsdf("dielectric", word("int_ior", "diamond"), word("ext_ior", "water")),
+        ),
         ("dielectric-tinted", bsdf("dielectric", tinted)),
         ("dielectric-textured", bsdf("dielectric", COLOURS.format("specular_transmittance"))),
         *microfacets("roughdielectric", number("int_ior", 1.5), number("ext_ior", 1.0)),
         ("roughdielectric-tinted", bsdf("roughdielectric", alpha, tinted)),
-        ("roughdielectric-textured", bsdf("roughdielectric", alpha, COLOURS.format("specular_transmittance"))),
+        (
+            "roughdielectric-textured",
+            bsdf("roughdielectric", alpha, COLOURS.format("specular_transmittance")),
+        ),
         ("plastic", bsdf("plastic", plastic)),
         ("plastic-nonlinear", bsdf("plastic", plastic, YES)),
         ("plastic-textured", bsdf("plastic", textured, YES)),
@@ -115,7 +130,10 @@ def panels() -> list[tuple[str, str]]:
     back = bsdf("roughplastic", number("alpha", 0.3))
     return [
         ("thindielectric", bsdf("thindielectric", number("int_ior", 1.5))),
-        ("thindielectric-textured", bsdf("thindielectric", COLOURS.format("specular_transmittance"))),
+        (
+            "thindielectric-textured",
+            bsdf("thindielectric", COLOURS.format("specular_transmittance")),
+        ),
         ("null", bsdf("null")),
         ("mask", bsdf("mask", number("opacity", 0.6), DIFFUSE)),
         ("mask-rough", bsdf("mask", number("opacity", 0.6), METAL)),

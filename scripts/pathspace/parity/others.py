@@ -3,7 +3,9 @@
 from .case import BOX, CAMERA, FLOOR, LAMP, PANEL, SKY, VIEW, Case, film, on
 from .materials import DIFFUSE, METAL
 
-BITMAP = '<texture type="bitmap" name="reflectance"><string name="filename" value="{}"/>{}</texture>'
+BITMAP = (
+    '<texture type="bitmap" name="reflectance"><string name="filename" value="{}"/>{}</texture>'
+)
 WIDER = '<transform name="to_uv"><scale x="2.3" y="1.7"/><translate x="0.2" y="-0.3"/></transform>'
 
 
@@ -57,7 +59,7 @@ def emitters() -> list[Case]:
   </shape>"""
     down = '<rotate x="1" angle="180"/><scale value="1.5"/><translate x="1" y="-1" z="3"/>'
     look = '<transform name="to_world"><lookat origin="2, -2, 4" target="0, 0, -0.5" up="0, 1, 0"/></transform>'
-    radiance = '<rgb name="radiance" value="6, 5, 4"/>'
+    radiance = '<rgb name="radiance" value="$radiance"/>'
     inside = {
         "area": lamp.format("rectangle", "", down, radiance),
         "area-seen": lamp.format(
@@ -119,28 +121,54 @@ def sensors() -> list[Case]:
         case("perspective", perspective(fov), particles=True),
         case("perspective-wide", perspective(fov), wide, particles=True),
         *[
-            case(f"perspective-fov-{axis}", perspective(fov + f'<string name="fov_axis" value="{axis}"/>'), wide)
+            case(
+                f"perspective-fov-{axis}",
+                perspective(fov + f'<string name="fov_axis" value="{axis}"/>'),
+                wide,
+            )
             for axis in ("y", "smaller", "diagonal")
         ],
         case("focal-length", perspective('<string name="focal_length" value="60mm"/>')),
         case("principal-point", perspective(fov + shifted)),
         case("crop", perspective(fov), film(64, crop)),
-        case("thinlens", '\n  <sensor type="thinlens"><float name="fov" value="30"/><float name="aperture_radius" value="0.2"/>'
-             f'<float name="focus_distance" value="5"/>{VIEW}\n    %FILM%\n  </sensor>', particles=True),
-        case("orthographic", '\n  <sensor type="orthographic"><transform name="to_world"><scale x="2" y="2"/>'
-             '<lookat origin="1, -5, 2.5" target="0, 0, 0" up="0, 0, 1"/></transform>\n    %FILM%\n  </sensor>'),
+        case(
+            "thinlens",
+            '\n  <sensor type="thinlens"><float name="fov" value="30"/><float name="aperture_radius" value="0.2"/>'
+            f'<float name="focus_distance" value="5"/>{VIEW}\n    %FILM%\n  </sensor>',
+            particles=True,
+        ),
+        case(
+            "orthographic",
+            '\n  <sensor type="orthographic"><transform name="to_world"><scale x="2" y="2"/>'
+            '<lookat origin="1, -5, 2.5" target="0, 0, 0" up="0, 0, 1"/></transform>\n    %FILM%\n  </sensor>',
+        ),
         case("irradiancemeter", ground, film(1), effort=1024),
-        case("radiancemeter", f'\n  <sensor type="radiancemeter">{VIEW}\n    %FILM%\n  </sensor>', film(1), effort=1024),
-        case("distant", '\n  <sensor type="distant"><vector name="direction" x="0.3" y="0.5" z="-1"/>'
-             '<point name="target" x="0.2" y="-0.3" z="0"/>\n    %FILM%\n  </sensor>', film(1), effort=1024),
-        case("distant-meter", f'\n  <sensor type="radiancemeter">{above}\n    %FILM%\n  </sensor>', film(1), effort=1024),
+        case(
+            "radiancemeter",
+            f'\n  <sensor type="radiancemeter">{VIEW}\n    %FILM%\n  </sensor>',
+            film(1),
+            effort=1024,
+        ),
+        case(
+            "distant",
+            '\n  <sensor type="distant"><vector name="direction" x="0.3" y="0.5" z="-1"/>'
+            '<point name="target" x="0.2" y="-0.3" z="0"/>\n    %FILM%\n  </sensor>',
+            film(1),
+            effort=1024,
+        ),
+        case(
+            "distant-meter",
+            f'\n  <sensor type="radiancemeter">{above}\n    %FILM%\n  </sensor>',
+            film(1),
+            effort=1024,
+        ),
     ]
 
 
 def shapes() -> list[Case]:
     """List shapes, covered by rough metal, whose image shows the normals."""
     place = '<transform name="to_world"><scale x="1" y="0.8" z="0.9"/><rotate x="1" angle="20"/><rotate z="1" angle="35"/></transform>'
-    even = place.replace('<scale x="1" y="0.8" z="0.9"/>', "<scale value=\"0.9\"/>")
+    even = place.replace('<scale x="1" y="0.8" z="0.9"/>', '<scale value="0.9"/>')
     texture = '<bsdf type="diffuse"><texture type="bitmap" name="reflectance"><string name="filename" value="colours.png"/></texture></bsdf>'
     both = f'<bsdf type="twosided">{texture}</bsdf>'
 
@@ -152,8 +180,10 @@ def shapes() -> list[Case]:
 
     flip = '<boolean name="flip_normals" value="true"/>'
     flat = '<boolean name="face_normals" value="true"/>'
-    group = f'\n  <shape type="shapegroup" id="group"><shape type="cube">{even}{texture}</shape>' \
+    group = (
+        f'\n  <shape type="shapegroup" id="group"><shape type="cube">{even}{texture}</shape>'
         f'<shape type="obj">{file("knob.obj")}<transform name="to_world"><scale value="0.5"/><translate z="1"/></transform>{METAL}</shape></shape>'
+    )
     instances = "".join(
         f'\n  <shape type="instance"><ref id="group"/><transform name="to_world"><scale value="0.5"/>'
         f'<rotate z="1" angle="{angle}"/><translate x="{x}" z="-0.3"/></transform></shape>'
@@ -162,25 +192,42 @@ def shapes() -> list[Case]:
     found = {
         "obj": shape("obj", file("knob.obj"), METAL),
         "obj-textured": shape("obj", file("knob.obj")),
-        "obj-flip-tex-coords": shape("obj", file("knob.obj") + '<boolean name="flip_tex_coords" value="false"/>'),
+        "obj-flip-tex-coords": shape(
+            "obj", file("knob.obj") + '<boolean name="flip_tex_coords" value="false"/>'
+        ),
         "ply-ascii": shape("ply", file("knob.ascii.ply")),
         "ply-binary": shape("ply", file("knob.ply")),
         "ply-without-normals": shape("ply", file("bare.ply"), METAL),
-        "serialized": shape("serialized", file("knobs.serialized") + '<integer name="shape_index" value="1"/>'),
+        "serialized": shape(
+            "serialized", file("knobs.serialized") + '<integer name="shape_index" value="1"/>'
+        ),
         "rectangle": shape("rectangle", bsdf=both),
         "cube": shape("cube"),
-        "sphere": shape("sphere", '<point name="center" x="0.1" y="0.2" z="0"/><float name="radius" value="0.9"/>', to_world=even),
+        "sphere": shape(
+            "sphere",
+            '<point name="center" x="0.1" y="0.2" z="0"/><float name="radius" value="0.9"/>',
+            to_world=even,
+        ),
         "disk": shape("disk", bsdf=both),
-        "cylinder": shape("cylinder", '<point name="p0" x="0" y="0" z="-0.8"/><point name="p1" x="0.2" y="0.1" z="0.9"/><float name="radius" value="0.6"/>', both, even),
+        "cylinder": shape(
+            "cylinder",
+            '<point name="p0" x="0" y="0" z="-0.8"/><point name="p1" x="0.2" y="0.1" z="0.9"/><float name="radius" value="0.6"/>',
+            both,
+            even,
+        ),
         "instance": group + instances,
         "flip-normals-obj": shape("obj", file("knob.obj") + flip, '<bsdf type="dielectric"/>'),
         "flip-normals-sphere": shape("sphere", flip, '<bsdf type="dielectric"/>', even),
         "flip-normals-rectangle": shape("rectangle", flip, texture),
-        "flip-normals-cube": shape("cube", flip, '<bsdf type="roughdielectric"><float name="alpha" value="0.3"/></bsdf>'),
+        "flip-normals-cube": shape(
+            "cube", flip, '<bsdf type="roughdielectric"><float name="alpha" value="0.3"/></bsdf>'
+        ),
         "face-normals-obj": shape("obj", file("knob.obj") + flat, METAL),
         "face-normals-ply": shape("ply", file("knob.ply") + flat, METAL),
     }
-    return [Case(f"shape/{name}", CAMERA + FLOOR + LAMP + SKY + text) for name, text in found.items()]
+    return [
+        Case(f"shape/{name}", CAMERA + FLOOR + LAMP + SKY + text) for name, text in found.items()
+    ]
 
 
 def filters() -> list[Case]:
@@ -191,7 +238,10 @@ def filters() -> list[Case]:
         "tent": ('<rfilter type="tent"/>', 1),
         "tent-wide": ('<rfilter type="tent"><float name="radius" value="2"/></rfilter>', 2),
         "gaussian": ('<rfilter type="gaussian"/>', 2),
-        "gaussian-wide": ('<rfilter type="gaussian"><float name="stddev" value="0.8"/></rfilter>', 4),
+        "gaussian-wide": (
+            '<rfilter type="gaussian"><float name="stddev" value="0.8"/></rfilter>',
+            4,
+        ),
     }
     return [
         Case(f"filter/{name}", scene, film=film(rfilter=text), particles=True, border=border)

@@ -3,10 +3,11 @@
 `points.json` of a case holds lists, of which a group has its own:
 
 surfaces
-    Of `bsdf`, `texture`, `shape`: hits of camera rays. `origin` and `direction` of the ray, `position`
-    of the hit, and `pairs`: `from` (towards the sensor), `to` (towards the emitter), `value`, the
-    scattering function times the shading cosine of `to`, and `pdf` of drawing `to` per solid
-    angle; `dirac`: the same for lobes of no width, `value` the weight times the probability `pdf`.
+    Of `bsdf`, `texture`, `shape`: hits of camera rays. `origin` and `direction` of the ray,
+    `position` of the hit, and `pairs`: `from` (towards the sensor), `to` (towards the emitter),
+    `value`, the scattering function times the shading cosine of `to`, and `pdf` of drawing `to` per
+    solid angle; `dirac`: the same for lobes of no width, `value` the weight times the probability
+    `pdf`.
 seen
     Of `emitter`: `origin` and `direction` of a ray, and the `radiance` that comes along it.
 lights
@@ -127,9 +128,7 @@ def seen(scene: Any) -> list[dict[str, Any]]:  # noqa: ANN401
         emitter = si.emitter(scene)
         if emitter is not None:
             value = numbers(emitter.eval(si))
-            found.append(
-                {"origin": numbers(ray.o), "direction": numbers(ray.d), "radiance": value}
-            )
+            found.append({"origin": numbers(ray.o), "direction": numbers(ray.d), "radiance": value})
     return found
 
 

@@ -47,7 +47,7 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     options = parse(arguments)
     try:
-        cases = chosen(options.features)
+        cases = chosen(options.features, full=options.full)
     except LookupError as error:
         print(error.args[0], file=sys.stderr)
         return 2
@@ -122,11 +122,14 @@ def prepare(out: Path, cases: list[Case], *, full: bool) -> None:
             # A scene may refer to nothing outside its folder.
             if f'"{asset.name}"' in case.text:
                 shutil.copyfile(asset, folder / asset.name)
-        (folder / "scene.xml").write_text(case.text)
+        if case.file is None:
+            (folder / "scene.xml").write_text(case.text)
         entries.append(
             {
                 "name": case.name,
-                "scene": f"{case.name}/scene.xml",
+                "scene": str(case.file or (folder / "scene.xml").resolve()),
+                "parameters": case.parameters,
+                "independent": str(case.independent) if case.independent else None,
                 "max_depth": case.max_depth,
                 "border": case.border,
                 "effort": case.effort,
@@ -140,6 +143,8 @@ def prepare(out: Path, cases: list[Case], *, full: bool) -> None:
 
 def integrators_of(case: Case, *, full: bool) -> list[str]:
     """Name Mitsuba's integrators that render a case."""
+    if case.file is not None:
+        return ["path"]
     can = 'type="perspective"' in case.text or 'type="thinlens"' in case.text
     return ["path", "ptracer"] if can and (full or case.particles) else ["path"]
 
@@ -153,7 +158,8 @@ def serve(case: Case, options: argparse.Namespace, *, jit: bool) -> list[str]:
     mi.set_log_level(mi.LogLevel.Error)
     dr.set_thread_count(options.threads)
     folder = options.out / case.name
-    scene: Any = mi.load_file(str(folder / "scene.xml"))
+    file = str(case.file or folder / "scene.xml")
+    scene: Any = mi.load_file(file, **dict(case.parameters))
     mi.logger().clear_appenders()
     width, height = (int(n) for n in scene.sensors()[0].film().crop_size())
     names = integrators_of(case, full=options.full)
@@ -165,9 +171,9 @@ def serve(case: Case, options: argparse.Namespace, *, jit: bool) -> list[str]:
             for i in range(options.passes)
         ]
         write_array(folder / f"mitsuba-{name}.npy", np.stack(images).astype(np.float32))
-    if not options.no_points:
+    if not options.no_points and case.file is None:
         mi.set_variant("scalar_rgb")
-        write_points(folder / "points.json", case, mi.load_file(str(folder / "scene.xml")))
+        write_points(folder / "points.json", case, mi.load_file(file))
     return names
 
 

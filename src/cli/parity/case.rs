@@ -10,8 +10,12 @@ use serde::Deserialize;
 pub(super) struct Case {
     /// GROUP/FEATURE.
     pub name: String,
-    /// The file, relative to the output.
+    /// The file.
     pub scene: PathBuf,
+    /// Values of its parameters.
+    pub parameters: Vec<(String, String)>,
+    /// An image of it by a third renderer.
+    pub independent: Option<PathBuf>,
     /// Longest path in edges.
     pub max_depth: u32,
     /// So many pixels at the film's edge are left out.

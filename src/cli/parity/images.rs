@@ -5,6 +5,7 @@ use std::path::Path;
 use anyhow::anyhow;
 
 use crate::estimator::{Control, Registry};
+use crate::film::exr::read_exr;
 use crate::film::{BlockGrid, BlockStatistics, Film, Image, RenderInfo, write_image};
 use crate::report::npy::{Array, read_npy};
 use crate::report::{Agreement, AgreementSettings, Verdict as Tested};
@@ -25,6 +26,9 @@ const SPP: [u64; 2] = [1024, 4096];
 
 /// Films of a single pixel have so many passes at most.
 const MOST_PASSES: u64 = 1 << 16;
+
+/// Relative difference of the mean that is allowed to an independent image.
+const INDEPENDENT: f64 = 0.03;
 
 /// Of the normal distribution, for intervals of 95 %.
 const QUANTILE: f64 = 1.96;
@@ -61,6 +65,9 @@ pub(super) fn compare(
         let their_statistics = statistics(&passes, size.width, size.height, &mask)?;
         let film = render(registry, scene, ours, case, args, mask)?;
         write_image(&folder.join(format!("ours-{ours}.exr")), &film, &RenderInfo::default(), 0.0)?;
+        if let (Some(path), "path") = (&case.independent, ours) {
+            rows.push(against_independent(case, &film.mean_image(), path)?);
+        }
         let test = Agreement::test(film.block_statistics(), &their_statistics, &settings)?;
         rows.push(row(&case.name, comparison, &test));
     }
@@ -82,6 +89,16 @@ fn row(feature: &str, comparison: String, test: &Agreement) -> ParityRow {
         blocks_differing: Some(test.differing),
         ..ParityRow::new(feature, comparison, verdict, test.to_string())
     }
+}
+
+/// The mean of our image and of one by a third renderer, which may have other conventions for what is hidden in noise.
+fn against_independent(case: &Case, ours: &Image, path: &Path) -> anyhow::Result<ParityRow> {
+    let theirs = read_exr(path)?.mean().luminance();
+    let difference = ours.mean().luminance() / theirs - 1.0;
+    let verdict = if difference.abs() < INDEPENDENT { Verdict::Agree } else { Verdict::Differ };
+    let details = format!("the mean is {:+.2} % of that of {}", 100.0 * difference, path.display());
+    let comparison = path.file_stem().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    Ok(ParityRow { difference: Some(difference), ..ParityRow::new(&case.name, comparison, verdict, details) })
 }
 
 /// Pixels that count: all but the border.

@@ -19,7 +19,9 @@ use indicatif::{ProgressBar, ProgressStyle};
 use crate::estimator::Registry;
 use crate::experiment::Mitsuba;
 
+use super::args::ParameterArgs;
 use super::progress::time;
+use super::scene::{self, LoadOptions};
 use super::{Outcome, UsageError, complain, interrupt};
 
 use case::Case;
@@ -30,13 +32,17 @@ const AFTER_HELP: &str = "\
 Each feature is a small scene in Mitsuba's XML, which both programs read and render. Compared are
   image   independent passes of both, by Welch's test for the whole image and for each block of 16 × 16 pixels and channel, with
           a correction for all tests of all features: one report in 1000 on faultless renderers has a failure
-Features are named GROUP (bsdf, texture, emitter, sensor, shape, filter), GROUP/FEATURE, or by a part of that.
+  values  what Mitsuba's Python interface says of BSDFs, emitters and sensors for given directions, in single precision: ours must
+          be within what rounding explains, which is derived for each value from how it changes with its directions
+Features are named by how GROUP/FEATURE begins (bsdf, texture, emitter, sensor, shape, filter), or by a part of FEATURE. Those
+that one of the two programs cannot read are missing.
 DIR gets parity.csv (all comparisons), parity.html (a page with the images), and in GROUP/FEATURE the scenes and images.
 
 Examples:
   pathspace parity
   pathspace parity bsdf/roughplastic emitter -o results/some
   pathspace parity --full
+  pathspace parity bsdf/diffuse -D reflectance=0.7,0.41,0.2      ours alone: a planted difference, to see that it is told
 
 Exit code 0: all agree; 1: some could not be compared, or nothing can be said of them; 3: one differs.";
 
@@ -62,6 +68,9 @@ pub(super) struct ParityArgs {
     /// Seed of the random numbers of both
     #[arg(long, value_name = "N", default_value_t = 0)]
     seed: u64,
+
+    #[command(flatten)]
+    defined: ParameterArgs,
 
     /// Names of features, one a line, and nothing else
     #[arg(long)]
@@ -105,11 +114,13 @@ pub(super) fn run(registry: &Registry, args: &ParityArgs) -> anyhow::Result<Outc
         return Ok(Outcome::Interrupted);
     }
     row::write(&args.output.join("parity.csv"), &rows)?;
+    let page = mitsuba::page(&mitsuba, &args.output);
     let mut out = io::stdout().lock();
     write!(out, "{}", table::table(&rows))?;
+    writeln!(out, "page: {}", args.output.join("parity.html").display())?;
     out.flush()?;
     drop(out);
-    ended?;
+    ended.and(page)?;
     Ok(outcome(&rows))
 }
 
@@ -150,7 +161,9 @@ fn take(
 
 /// All comparisons of a case.
 fn compare(registry: &Registry, args: &ParityArgs, case: &Case, cases: usize) -> anyhow::Result<Vec<ParityRow>> {
-    let scene = match super::scene::load(&args.output.join(&case.scene), &Default::default()) {
+    let parameters = case.parameters.iter().chain(&args.defined.parameters).cloned().collect();
+    let options = LoadOptions { parameters, ..LoadOptions::default() };
+    let scene = match scene::load(&case.scene, &options) {
         Ok(loaded) => loaded.scene,
         Err(error) => return Ok(vec![ParityRow::missing(&case.name, &error.to_string())]),
     };

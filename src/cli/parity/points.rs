@@ -128,7 +128,8 @@ pub(super) fn compare(scene: &Scene, case: &Case, folder: &Path) -> anyhow::Resu
         let sample = [a, b, c, d];
         let theirs = line(ray.origin, ray.direction, scene.centre() + scene.sensor().position());
         let ours = |x: &[f64]| sensor_ray(scene, x);
-        others[3].add(&ours, &sample, &theirs, case.table, || format!("film {:?}, aperture {:?}", ray.film, ray.aperture));
+        others[3]
+            .add(&ours, &sample, &theirs, case.table, || format!("film {:?}, aperture {:?}", ray.film, ray.aperture));
     }
     let all = comparisons.into_iter().chain(others);
     Ok(all.filter(|worst| worst.values > 0).map(|worst| worst.row(case)).collect())
@@ -137,7 +138,8 @@ pub(super) fn compare(scene: &Scene, case: &Case, folder: &Path) -> anyhow::Resu
 fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [Worst; 5]) {
     let [hits, eval, pdf, dirac, dirac_pdf] = comparisons;
     let hit = |direction: DVec3| scene.trace(&start(scene, point.origin), direction);
-    let position = |x: &[f64]| hit(DVec3::from_slice(x)).map_or([f64::NAN; 3], |v| (v.position + scene.centre()).into());
+    let position =
+        |x: &[f64]| hit(DVec3::from_slice(x)).map_or([f64::NAN; 3], |v| (v.position + scene.centre()).into());
     let ray = point.direction.to_array();
     hits.add_scaled(&position, &ray, &point.position.to_array(), point.origin.length() + 1.0, || {
         format!("from {} along {}", point.origin, point.direction)
