@@ -86,10 +86,7 @@ def emitters() -> list[Case]:
         '<float name="fov" value="35"/><float name="scale" value="30"/></emitter>',
     }
     box = BOX.replace("%BSDF%", DIFFUSE)
-    return [
-        Case(f"emitter/{name}", CAMERA + FLOOR + box + text, particles=name != "area-seen")
-        for name, text in inside.items()
-    ]
+    return [Case(f"emitter/{name}", CAMERA + FLOOR + box + text) for name, text in inside.items()]
 
 
 def sensors() -> list[Case]:
@@ -98,6 +95,13 @@ def sensors() -> list[Case]:
 
     def case(name: str, sensor: str, shape: str = film(), **more: object) -> Case:
         return Case(f"sensor/{name}", sensor + scene, film=shape, **more)
+
+    # Without a sky, from which few light paths come to the camera.
+    lit = FLOOR + LAMP + BOX.replace("%BSDF%", DIFFUSE)
+    thin = (
+        '\n  <sensor type="thinlens"><float name="fov" value="30"/><float name="aperture_radius" value="0.2"/>'
+        f'<float name="focus_distance" value="5"/>{VIEW}\n    %FILM%\n  </sensor>'
+    )
 
     def perspective(inside: str) -> str:
         return f'\n  <sensor type="perspective">{inside}{VIEW}\n    %FILM%\n  </sensor>'
@@ -118,8 +122,10 @@ def sensors() -> list[Case]:
     <sensor type="irradiancemeter">%FILM%</sensor>
   </shape>"""
     return [
-        case("perspective", perspective(fov), particles=True),
-        case("perspective-wide", perspective(fov), wide, particles=True),
+        case("perspective", perspective(fov)),
+        case("perspective-wide", perspective(fov), wide),
+        Case("sensor/perspective-light", perspective(fov) + lit, particles=True),
+        Case("sensor/thinlens-light", thin + lit, particles=True),
         *[
             case(
                 f"perspective-fov-{axis}",
@@ -131,12 +137,7 @@ def sensors() -> list[Case]:
         case("focal-length", perspective('<string name="focal_length" value="60mm"/>')),
         case("principal-point", perspective(fov + shifted)),
         case("crop", perspective(fov), film(64, crop)),
-        case(
-            "thinlens",
-            '\n  <sensor type="thinlens"><float name="fov" value="30"/><float name="aperture_radius" value="0.2"/>'
-            f'<float name="focus_distance" value="5"/>{VIEW}\n    %FILM%\n  </sensor>',
-            particles=True,
-        ),
+        case("thinlens", thin),
         case(
             "orthographic",
             '\n  <sensor type="orthographic"><transform name="to_world"><scale x="2" y="2"/>'
@@ -244,7 +245,7 @@ def filters() -> list[Case]:
         ),
     }
     return [
-        Case(f"filter/{name}", scene, film=film(rfilter=text), particles=True, border=border)
+        Case(f"filter/{name}", scene, film=film(rfilter=text), border=border)
         for name, (text, border) in found.items()
     ]
 

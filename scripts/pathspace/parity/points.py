@@ -141,7 +141,7 @@ def lights(scene: Any) -> list[dict[str, Any]]:  # noqa: ANN401
     hits = [si for si in hits if not si.shape.is_emitter()][:: max(1, len(hits) // 12)]
     found = []
     for number, si in enumerate(hits):
-        for index, emitter in enumerate(scene.emitters()):
+        for emitter in scene.emitters():
             for u, v in ((0.2, 0.7), (0.6, 0.35), (0.85, 0.9)):
                 sample = mi.Point2f((u + 0.13 * number) % 1, v)
                 record, weight = emitter.sample_direction(si, sample)
@@ -150,10 +150,11 @@ def lights(scene: Any) -> list[dict[str, Any]]:  # noqa: ANN401
                 dirac = mi.has_flag(emitter.flags(), mi.EmitterFlags.DeltaPosition) or mi.has_flag(
                     emitter.flags(), mi.EmitterFlags.DeltaDirection
                 )
+                if not dirac and scene.ray_test(si.spawn_ray_to(record.p)):
+                    continue
                 value = [float(record.pdf) * x for x in numbers(weight)]
                 found.append(
                     {
-                        "emitter": index,
                         "position": numbers(si.p),
                         "direction": numbers(record.d),
                         "value": value,

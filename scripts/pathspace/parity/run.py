@@ -41,6 +41,8 @@ from .points import write_points
 
 SPP = 64
 """Samples per pixel of a pass."""
+LIGHT_PATHS = 8
+"""Light paths for each of them: few come to the camera."""
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -166,8 +168,9 @@ def serve(case: Case, options: argparse.Namespace, *, jit: bool) -> list[str]:
     for name in names:
         integrator: Any = mi.load_dict({"type": name, "max_depth": case.max_depth})
         seeds = PassSeeds(options.seed, width, height, scalar=not jit)
+        spp = SPP * case.effort * (LIGHT_PATHS if name == "ptracer" else 1)
         images = [
-            np.array(integrator.render(scene, seed=seeds(i), spp=SPP * case.effort))[..., :3]
+            np.array(integrator.render(scene, seed=seeds(i), spp=spp))[..., :3]
             for i in range(options.passes)
         ]
         write_array(folder / f"mitsuba-{name}.npy", np.stack(images).astype(np.float32))

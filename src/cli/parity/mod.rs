@@ -144,6 +144,7 @@ fn take(
     let cases = case::read(&args.output.join("cases.json"))?;
     let find = |name: &str| cases.iter().find(|case| case.name == name);
     let before = rows.len();
+    progress.done += 1;
     match event {
         Event::Done { case } => {
             let Some(case) = find(case) else { return Ok(()) };
@@ -155,7 +156,7 @@ fn take(
         Event::Failed { case, why } => rows.push(ParityRow::missing(case, &format!("Mitsuba: {why}"))),
         Event::Ended => {}
     }
-    progress.show(&rows[before..], before + 1, cases.len());
+    progress.show(&rows[before..], cases.len());
     Ok(())
 }
 
@@ -191,6 +192,8 @@ fn outcome(rows: &[ParityRow]) -> Outcome {
 /// A bar in a terminal; in a pipe a line for each case.
 struct Progress {
     bar: ProgressBar,
+    /// Cases that are finished.
+    done: usize,
     start: Instant,
 }
 
@@ -199,11 +202,12 @@ impl Progress {
         let bar = if io::stderr().is_terminal() { ProgressBar::new(1000) } else { ProgressBar::hidden() };
         let style = ProgressStyle::with_template("[{bar:16}] {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
         bar.set_style(style.progress_chars("=> "));
-        Self { bar, start: Instant::now() }
+        Self { bar, done: 0, start: Instant::now() }
     }
 
-    fn show(&self, rows: &[ParityRow], done: usize, of: usize) {
+    fn show(&self, rows: &[ParityRow], of: usize) {
         let Some(first) = rows.first() else { return };
+        let done = self.done;
         let left = self.start.elapsed().as_secs_f64() * (of as f64 / done as f64 - 1.0);
         let verdict = rows.iter().map(|row| row.verdict).max().unwrap_or(Verdict::Agree);
         let text = format!("{done}/{of} {} {verdict}, {} left", first.feature, time(left));
