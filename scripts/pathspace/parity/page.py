@@ -27,6 +27,8 @@ Image = NDArray[np.floating]
 
 RANGE = 4.0
 """Differences are shown from so many standard errors below to so many above."""
+TOLERANCE = 1e-5
+"""Relative difference that single precision makes, as the test of images has it."""
 ORDER = ["differ", "missing", "undecided", "agree"]
 """Verdicts from the worst on."""
 
@@ -105,7 +107,7 @@ def line(row: dict[str, Any]) -> dict[str, str]:
         "block": text("block_detectable", "{:.1f} %", 100),
         "error": text("largest_error", "{:.1e}"),
         "bound": text("bound", "{:.1e}"),
-        "values": text("values", "{:.0f}"),
+        "count": text("values", "{:.0f}"),
         "details": row["details"],
     }
 
@@ -123,8 +125,9 @@ def pictures(folder: Path) -> list[dict[str, str]]:
             continue
         shown = [(f"ours, {ours}", tone(image)), (f"Mitsuba's, {theirs}", tone(mean))]
         if error is not None:
-            own = error.astype(np.float64) ** 2 + passes.var(axis=0, ddof=1) / len(passes)
-            shown.append(("difference", differences(image - mean, own)))
+            noise = error.astype(np.float64) ** 2 + passes.var(axis=0, ddof=1) / len(passes)
+            noise += (TOLERANCE * mean) ** 2
+            shown.append(("difference", differences(image - mean, noise)))
         found += [{"title": title, "source": png(pixels)} for title, pixels in shown]
     return found
 

@@ -18,6 +18,7 @@ use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::estimator::Registry;
 use crate::experiment::Mitsuba;
+use crate::film::output::write_atomically;
 
 use super::args::ParameterArgs;
 use super::progress::time;
@@ -36,7 +37,8 @@ Each feature is a small scene in Mitsuba's XML, which both programs read and ren
           be within what rounding explains, which is derived for each value from how it changes with its directions
 Features are named by how GROUP/FEATURE begins (bsdf, texture, emitter, sensor, shape, filter), or by a part of FEATURE. Those
 that one of the two programs cannot read are missing.
-DIR gets parity.csv (all comparisons), parity.html (a page with the images), and in GROUP/FEATURE the scenes and images.
+DIR gets parity.csv (all comparisons), the same as parity.md, parity.html (a page with the images), and in GROUP/FEATURE the
+scenes and images.
 
 Examples:
   pathspace parity
@@ -114,6 +116,7 @@ pub(super) fn run(registry: &Registry, args: &ParityArgs) -> anyhow::Result<Outc
         return Ok(Outcome::Interrupted);
     }
     row::write(&args.output.join("parity.csv"), &rows)?;
+    write_atomically(&args.output.join("parity.md"), |file| file.write_all(table::markdown(&rows).as_bytes()))?;
     let page = mitsuba::page(&mitsuba, &args.output);
     let mut out = io::stdout().lock();
     write!(out, "{}", table::table(&rows))?;

@@ -42,6 +42,34 @@ fn line(rows: &[ParityRow], verdict: Verdict) -> String {
     format!("{name:NAME_WIDTH$} {difference:>15} {finds:>6} {error:>8} {verdict}")
 }
 
+/// The same for a document, in full.
+pub(super) fn markdown(rows: &[ParityRow]) -> String {
+    let mut text = String::from(
+        "| feature | comparison | verdict | image differs by [%] | finds [%] | in a block [%] | largest error | bound |\n\
+         |---|---|---|---|---|---|---|---|\n",
+    );
+    for row in rows {
+        let percent = |value: Option<f64>| value.map_or_else(String::new, |value| number(100.0 * value));
+        let difference = row.difference.map_or_else(String::new, |difference| {
+            let interval = row.interval.map_or_else(String::new, |interval| format!(" ± {:.3}", 100.0 * interval));
+            format!("{:+.3}{interval}", 100.0 * difference)
+        });
+        let error = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:.1e}"));
+        let _ = writeln!(
+            text,
+            "| {} | {} | {} | {difference} | {} | {} | {} | {} |",
+            row.feature,
+            row.comparison,
+            row.verdict,
+            percent(row.detectable),
+            percent(row.block_detectable),
+            error(row.largest_error),
+            error(row.bound)
+        );
+    }
+    text
+}
+
 /// How far a comparison is from none, in its own measure.
 fn surprise(row: &ParityRow) -> f64 {
     match (row.difference, row.interval, row.largest_error, row.bound) {
