@@ -138,6 +138,7 @@ def prepare(out: Path, cases: list[Case], *, full: bool) -> None:
                 "integrators": integrators_of(case, full=full),
                 "pdf": case.pdf,
                 "table": case.table,
+                "fit": case.fit,
             }
         )
     write_json(out / "cases.json", entries)

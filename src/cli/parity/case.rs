@@ -28,6 +28,14 @@ pub(super) struct Case {
     pub pdf: String,
     /// Relative error of a table that Mitsuba has instead of a formula.
     pub table: f64,
+    /// The same of its densities alone.
+    pub fit: f64,
+}
+
+impl Case {
+    pub(super) fn same_densities(&self) -> bool {
+        self.pdf == "same"
+    }
 }
 
 pub(super) fn read(path: &Path) -> anyhow::Result<Vec<Case>> {

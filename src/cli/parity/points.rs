@@ -1,8 +1,9 @@
 //! Values point by point against those that Mitsuba's Python API gives in single precision.
 //!
 //! How far rounding takes a value is not guessed but derived: its *bound* is how much ours changes when each coordinate of each
-//! direction moves by [`DIRECTION`], summed over coordinates, plus [`ARITHMETIC`] of the value itself. Where a feature is a step,
-//! such as the edge of a texel, and the step lies within that, the bound has its height.
+//! direction moves by [`DIRECTION`], summed over coordinates, plus [`ARITHMETIC`] of the largest value at the same point, since
+//! models subtract numbers of that size (1 − F near the critical angle). Where a feature is a step, such as the edge of a texel,
+//! and the step lies within that, the bound has its height.
 
 use std::path::Path;
 
@@ -107,29 +108,29 @@ pub(super) fn compare(scene: &Scene, case: &Case, folder: &Path) -> anyhow::Resu
         surface(scene, case, point, &mut comparisons);
     }
     let mut others = [Worst::new("radiance"), Worst::new("light"), Worst::new("light-pdf"), Worst::new("rays")];
+    let brightest = largest(points.seen.iter().map(|seen| &seen.radiance));
     for seen in &points.seen {
         let ours = |x: &[f64]| radiance(scene, seen.origin, DVec3::from_slice(x));
-        others[0].add(&ours, &seen.direction.to_array(), &seen.radiance, case.table, || {
-            format!("from {} along {}", seen.origin, seen.direction)
-        });
+        let what = || format!("from {} along {}", seen.origin, seen.direction);
+        others[0].add(&ours, &seen.direction.to_array(), &seen.radiance, ARITHMETIC * brightest, what);
     }
+    let brightest = largest(points.lights.iter().map(|light| &light.value));
     for light in &points.lights {
         let what = || format!("at {} from {}", light.position, light.direction);
         let towards = light.direction.to_array();
         let ours = |x: &[f64]| light_of(scene, light, DVec3::from_slice(x)).map_or([f64::NAN; 3], |(value, _)| value);
-        others[1].add(&ours, &towards, &light.value, case.table, what);
-        if !light.dirac {
+        others[1].add(&ours, &towards, &light.value, ARITHMETIC * brightest, what);
+        if !light.dirac && case.same_densities() {
             let ours = |x: &[f64]| [light_of(scene, light, DVec3::from_slice(x)).map_or(f64::NAN, |(_, pdf)| pdf)];
-            others[2].add(&ours, &towards, &[light.pdf], case.table, what);
+            others[2].add(&ours, &towards, &[light.pdf], ARITHMETIC * light.pdf, what);
         }
     }
     for ray in &points.rays {
-        let ([a, b], [c, d]) = (ray.film, ray.aperture);
-        let sample = [a, b, c, d];
         let theirs = line(ray.origin, ray.direction, scene.centre() + scene.sensor().position());
+        let [c, d] = same_place(scene, ray, &theirs);
         let ours = |x: &[f64]| sensor_ray(scene, x);
-        others[3]
-            .add(&ours, &sample, &theirs, case.table, || format!("film {:?}, aperture {:?}", ray.film, ray.aperture));
+        let what = || format!("film {:?}, aperture {:?}", ray.film, ray.aperture);
+        others[3].add(&ours, &[ray.film[0], ray.film[1], c, d], &theirs, ARITHMETIC * ray.origin.length(), what);
     }
     let all = comparisons.into_iter().chain(others);
     Ok(all.filter(|worst| worst.values > 0).map(|worst| worst.row(case)).collect())
@@ -141,9 +142,11 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
     let position =
         |x: &[f64]| hit(DVec3::from_slice(x)).map_or([f64::NAN; 3], |v| (v.position + scene.centre()).into());
     let ray = point.direction.to_array();
-    hits.add_scaled(&position, &ray, &point.position.to_array(), point.origin.length() + 1.0, || {
-        format!("from {} along {}", point.origin, point.direction)
-    });
+    let rounding = ARITHMETIC * (point.origin.length() + 1.0);
+    let what = || format!("from {} along {}", point.origin, point.direction);
+    hits.add(&position, &ray, &point.position.to_array(), rounding, what);
+    let rounding = (ARITHMETIC + case.table) * largest(point.pairs.iter().map(|pair| &pair.value));
+    let of_density = largest(point.pairs.iter().map(|pair| std::slice::from_ref(&pair.pdf)));
     for pair in &point.pairs {
         let inputs = inputs(point.direction, pair);
         let what = || format!("at {} from {} to {}", point.position, pair.from, pair.to);
@@ -151,13 +154,13 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
             let [direction, from, to] = vectors(x);
             hit(direction).map_or([f64::NAN; 3], |v| (scene.scatter(&v, to, from) * v.abs_cos(to)).to_array())
         };
-        eval.add(&value, &inputs, &pair.value, case.table, what);
-        if case.pdf == "same" {
+        eval.add(&value, &inputs, &pair.value, rounding, what);
+        if case.same_densities() {
             let density = |x: &[f64]| {
                 let [direction, from, to] = vectors(x);
                 [hit(direction).map_or(f64::NAN, |v| scene.scatter_density(&v, from, to).value())]
             };
-            pdf.add(&density, &inputs, &[pair.pdf], case.table, what);
+            pdf.add(&density, &inputs, &[pair.pdf], ARITHMETIC * of_density + case.fit * pair.pdf, what);
         }
     }
     for pair in &point.dirac {
@@ -167,15 +170,19 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
             let [direction, from, to] = vectors(x);
             hit(direction).map_or([f64::NAN; 3], |v| scene.scatter_dirac(&v, to, from).to_array())
         };
-        dirac.add(&value, &inputs, &pair.value, case.table, what);
-        if case.pdf == "same" {
+        dirac.add(&value, &inputs, &pair.value, ARITHMETIC, what);
+        if case.same_densities() {
             let density = |x: &[f64]| {
                 let [direction, from, to] = vectors(x);
                 [hit(direction).map_or(f64::NAN, |v| scene.scatter_dirac_density(&v, Side::Sensor, from, to).value())]
             };
-            dirac_pdf.add(&density, &inputs, &[pair.pdf], case.table, what);
+            dirac_pdf.add(&density, &inputs, &[pair.pdf], ARITHMETIC, what);
         }
     }
+}
+
+fn largest<'a>(values: impl Iterator<Item = &'a (impl AsRef<[f64]> + ?Sized + 'a)>) -> f64 {
+    values.flat_map(|value| value.as_ref()).fold(0.0, |largest, x| largest.max(x.abs()))
 }
 
 fn inputs(ray: DVec3, pair: &Pair) -> Vec<f64> {
@@ -197,7 +204,7 @@ fn radiance(scene: &Scene, origin: DVec3, direction: DVec3) -> [f64; 3] {
     let direction = direction.normalize();
     let Some(vertex) = scene.trace(&start(scene, origin), direction) else { return [0.0; 3] };
     let Some(id) = vertex.emitter() else { return [0.0; 3] };
-    scene.emitter(id).emission(&vertex, -direction).to_array()
+    scene.emitter(id).emission(scene, &vertex, -direction).to_array()
 }
 
 /// What a light sends to a point: its value and the density of drawing it, both per solid angle or of a Dirac one. `None` where
@@ -212,7 +219,7 @@ fn light_of(scene: &Scene, light: &Light, direction: DVec3) -> Option<([f64; 3],
         let drawn = emitter.sample_direct(scene.accel(), x1, [0.5; 3])?;
         let edge = Edge::from_to(x1, drawn.vertex.position);
         let factor = edge.solid_angle_to_area(&drawn.vertex);
-        let value = emitter.emission(&drawn.vertex, -edge.direction) * factor.value() / drawn.density.value();
+        let value = emitter.emission(scene, &drawn.vertex, -edge.direction) * factor.value() / drawn.density.value();
         return (edge.direction.distance(direction.normalize()) < 1e-4).then_some((value.to_array(), 1.0));
     }
     let direction = direction.normalize();
@@ -221,7 +228,7 @@ fn light_of(scene: &Scene, light: &Light, direction: DVec3) -> Option<([f64; 3],
     let edge = Edge::from_to(x1, x0.position);
     let density = emitter.direct_density(scene.accel(), x1, &x0, &edge);
     let per_solid_angle = density.value() / edge.solid_angle_to_area(&x0).value();
-    Some((emitter.emission(&x0, -direction).to_array(), per_solid_angle))
+    Some((emitter.emission(scene, &x0, -direction).to_array(), per_solid_angle))
 }
 
 /// A ray as a line: its direction, and its point that is nearest to `centre`.
@@ -244,6 +251,19 @@ fn sensor_ray(scene: &Scene, x: &[f64]) -> [f64; 6] {
     line(vertex.position, direction, scene.sensor().position())
 }
 
+/// The aperture sample with which our ray is nearest to Mitsuba's, of those that the square's symmetries make of its own: discs
+/// are uniform whichever way they are drawn.
+fn same_place(scene: &Scene, ray: &SensorRay, theirs: &[f64; 6]) -> [f64; 2] {
+    let [x, y] = ray.aperture;
+    let flips = [[x, y], [1.0 - x, y], [x, 1.0 - y], [1.0 - x, 1.0 - y]];
+    let places = flips.into_iter().flat_map(|[x, y]| [[x, y], [y, x]]);
+    let distance = |place: &[f64; 2]| {
+        let ours = sensor_ray(scene, &[ray.film[0], ray.film[1], place[0], place[1]]);
+        ours.iter().zip(theirs).map(|(a, b)| (a - b) * (a - b)).sum::<f64>()
+    };
+    places.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(ray.aperture)
+}
+
 /// The comparison whose error is the largest multiple of its bound.
 struct Worst {
     name: &'static str,
@@ -260,32 +280,8 @@ impl Worst {
         Self { name, ratio: -1.0, error: 0.0, bound: 0.0, values: 0, beyond: 0, what: String::new() }
     }
 
-    /// Compares `ours` at `inputs` with `theirs`, which may be off by `table` of itself besides rounding.
+    /// Compares `ours` at `inputs` with `theirs`, which arithmetic may have taken `arithmetic` away.
     fn add<const N: usize>(
-        &mut self,
-        ours: &dyn Fn(&[f64]) -> [f64; N],
-        inputs: &[f64],
-        theirs: &[f64; N],
-        table: f64,
-        what: impl Fn() -> String,
-    ) {
-        let scale = theirs.iter().fold(0.0_f64, |scale, x| scale.max(x.abs()));
-        self.compare(ours, inputs, theirs, (ARITHMETIC + table) * scale, what);
-    }
-
-    /// The same for values that are differences of numbers of the size `scale`.
-    fn add_scaled<const N: usize>(
-        &mut self,
-        ours: &dyn Fn(&[f64]) -> [f64; N],
-        inputs: &[f64],
-        theirs: &[f64; N],
-        scale: f64,
-        what: impl Fn() -> String,
-    ) {
-        self.compare(ours, inputs, theirs, ARITHMETIC * scale, what);
-    }
-
-    fn compare<const N: usize>(
         &mut self,
         ours: &dyn Fn(&[f64]) -> [f64; N],
         inputs: &[f64],
