@@ -1,5 +1,8 @@
 //! Options that several commands share, and how their values are written.
 
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
@@ -24,9 +27,10 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
 
-    /// Radiance of a constant environment [W/m²/sr], for scenes without light [default: the scene's]
-    #[arg(long, value_name = "R,G,B|GREY", value_parser = radiance)]
-    pub environment: Option<Rgb>,
+    /// Radiance of a constant environment [W/m²/sr], or an image of the surroundings by longitude and latitude, upright where y
+    /// points up (EXR, HDR, PNG, JPEG) [default: the scene's]
+    #[arg(long, value_name = "R,G,B|GREY|FILE", value_parser = environment)]
+    pub environment: Option<EnvironmentChoice>,
 }
 
 /// A whole number of edges from 1 on, or `none`.
@@ -100,6 +104,27 @@ pub(crate) fn radiance(text: &str) -> Result<Rgb, String> {
         Some(&[grey]) => Ok(Rgb::grey(grey)),
         Some(&[r, g, b]) => Ok(Rgb::new(r, g, b)),
         _ => Err("expected one or three numbers from 0 on, for example 1 or 0.5,0.6,0.8".into()),
+    }
+}
+
+/// What stands for the scene's environment.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum EnvironmentChoice {
+    /// The same radiance from everywhere \[W/m²/sr\].
+    Constant(Rgb),
+    /// An image file.
+    Image(PathBuf),
+}
+
+/// Numbers, or else a file, which is looked for later.
+pub(crate) fn environment(text: &str) -> Result<EnvironmentChoice, String> {
+    let starts_with_letter = |ending: &OsStr| ending.as_encoded_bytes().first().is_some_and(u8::is_ascii_alphabetic);
+    match radiance(text) {
+        Ok(radiance) => Ok(EnvironmentChoice::Constant(radiance)),
+        Err(_) if Path::new(text).extension().is_some_and(starts_with_letter) => {
+            Ok(EnvironmentChoice::Image(text.into()))
+        }
+        Err(why) => Err(format!("{why}; or an image file")),
     }
 }
 

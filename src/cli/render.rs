@@ -227,7 +227,7 @@ fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<Lo
     let options = LoadOptions {
         camera: camera_of(args, resumed),
         film: args.take.film.or(size),
-        environment: args.take.environment,
+        environment: args.take.environment.clone(),
         light_selection: light_selection_of(args, resumed),
     };
     scene::load(&args.scene, &options)

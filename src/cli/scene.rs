@@ -6,11 +6,12 @@ use std::path::{Path, PathBuf};
 use anyhow::{anyhow, bail};
 use xxhash_rust::xxh3::Xxh3Default;
 
+use super::args::EnvironmentChoice;
 use crate::names::did_you_mean;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{EnvironmentDescription, FilmSize};
 use crate::scene::gltf::{self, ReadOptions};
+use crate::scene::texture::{self, Bitmap, Filter, Wrap};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
-use crate::spectrum::Rgb;
 
 /// A scene in both forms, and what was decided for the user.
 #[derive(Debug)]
@@ -30,8 +31,8 @@ pub(crate) struct LoadOptions {
     pub camera: Option<String>,
     /// Size of the image instead of the scene's.
     pub film: Option<FilmSize>,
-    /// Constant environment instead of the scene's.
-    pub environment: Option<Rgb>,
+    /// Environment instead of the scene's.
+    pub environment: Option<EnvironmentChoice>,
     /// How emitters are chosen.
     pub light_selection: LightSelection,
 }
@@ -43,7 +44,9 @@ pub(crate) struct LoadOptions {
 pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedScene> {
     let file = find(word)?;
     let mut description = gltf::read_with(&file, &ReadOptions { camera: options.camera.clone() })?;
-    description.environment = options.environment.map(Into::into).or(description.environment);
+    if let Some(choice) = &options.environment {
+        description.environment = Some(environment(choice)?);
+    }
     let scene_options = SceneOptions { film: options.film, light_selection: options.light_selection };
     let (scene, notes) = Scene::build(&description, scene_options)?;
     if description.sensor.is_none() {
@@ -51,6 +54,19 @@ pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedS
     }
     description.film = Some(scene.sensor().film());
     Ok(LoadedScene { description, scene, notes })
+}
+
+fn environment(choice: &EnvironmentChoice) -> anyhow::Result<EnvironmentDescription> {
+    Ok(match choice {
+        EnvironmentChoice::Constant(radiance) => EnvironmentDescription::Constant(*radiance),
+        EnvironmentChoice::Image(file) => {
+            let (width, height, texels) = texture::read(file, false)?;
+            let name = file.display().to_string();
+            let (filter, wrap) = (Filter::Bilinear, [Wrap::Repeat, Wrap::Clamp]);
+            let bitmap = Bitmap { name, width, height, texels, filter, wrap }.into();
+            EnvironmentDescription::Map { bitmap, scale: 1.0, to_world: glam::DMat3::IDENTITY }
+        }
+    })
 }
 
 /// The notes, one line each on stderr.

@@ -59,7 +59,7 @@ pub(super) fn run(registry: &Registry, args: &WhatIfArgs) -> anyhow::Result<Outc
     let options = LoadOptions {
         camera: args.take.camera.clone(),
         film: args.take.film,
-        environment: args.take.environment,
+        environment: args.take.environment.clone(),
         ..LoadOptions::default()
     };
     let loaded = scene::load(&args.scene, &options)?;

@@ -75,7 +75,7 @@ impl Scene {
     /// `L_e(x_0 → x_1)` in a path of `edges` edges. What is concentrated in a point or a direction is not seen directly.
     fn emitted(&self, x0: &Vertex, direction: glam::DVec3, edges: usize) -> Rgb {
         let Some(emitter) = x0.emitter().map(|id| self.emitter(id)) else { return Rgb::BLACK };
-        if edges == 1 && !emitter.can_be_hit() { Rgb::BLACK } else { emitter.emission(x0, direction) }
+        if edges == 1 && !emitter.can_be_hit() { Rgb::BLACK } else { emitter.emission(self, x0, direction) }
     }
 
     /// `∏ V(x_i, x_{i+1})`: nothing lies between the path's vertices.

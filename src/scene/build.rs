@@ -1,26 +1,28 @@
 //! From a description to a scene: centring, rounding, choosing what is sampled, and refusing what makes no sense.
 
-use std::collections::BTreeSet;
+mod checks;
+mod emitters;
+mod geometry;
+
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::geometry::Bounds;
 
-use super::accel::{Accel, SphereShape, Triangle};
 use super::bsdf::{Composite, MaterialError};
-use super::description::{EnvironmentDescription, FilmSize, LightKind, Material, Mesh, Projection, SensorDescription};
+use super::description::{FilmSize, LightKind, Material, Projection, SensorDescription};
 use super::discrete::Discrete;
-use super::emitter::{Directional, Emitter, EmitterId, Environment, MeshEmitter, Point, SphereEmitter, Spot};
-use super::mapping::Mapping;
+use super::emitter::{Emitter, EmitterId};
 use super::material::SurfaceMaterial;
 use super::sensor::Sensor;
-use super::texture::Texture;
-use super::{MaterialId, Names, Scene, SceneDescription, Shape};
-use crate::spectrum::Rgb;
+use super::{Scene, SceneDescription};
+
+use emitters::Place;
+use geometry::bounds;
 
 /// What a user may decide about a scene beyond its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -89,6 +91,8 @@ struct Builder<'a> {
 
 impl Builder<'_> {
     fn build(mut self) -> Result<(Scene, Vec<String>), BuildError> {
+        self.check_shapes()?;
+        self.check_lights()?;
         let materials = self.description.materials.iter().map(|m| self.material(m)).collect::<Result<Vec<_>, _>>()?;
         let geometry = bounds(self.description);
         let camera = self.camera(geometry)?;
@@ -96,17 +100,19 @@ impl Builder<'_> {
         let everything = self.everything(geometry, &camera);
         let centre = everything.centre();
         let sensor = Sensor::new(&camera, film, centre);
-        let (accel, normals, order) = self.geometry(centre, everything.radius());
-        let mapping = self.mapping(&order, &materials);
+        let (analytic, placements) = self.analytic(centre);
+        let (accel, normals, order) = self.geometry(&analytic, centre, everything.radius());
+        let mapping = self.mapping(&accel, &placements, &order, &materials);
         let mut shapes = self.shapes();
-        let reach = self.reach(geometry, &sensor, centre);
-        let emitters = self.emitters(&accel, &mut shapes, centre, reach)?;
+        let sphere_radius = self.reach(geometry, &sensor, centre);
+        let place = Place { accel: &accel, mapping: &mapping, centre, sphere_radius };
+        let emitters = self.emitters(&place, &mut shapes)?;
         let choice = Discrete::new(emitters.iter().map(|e| match self.options.light_selection {
             LightSelection::Power => e.flux().mean(),
             LightSelection::Uniform => 1.0,
         }));
         let choice = choice.ok_or_else(|| self.invalid("lights", "a flux that is not finite: check the emission"))?;
-        let environment = emitters.iter().position(|e| matches!(e, Emitter::Environment(_)));
+        let environment = emitters.iter().position(Emitter::is_environment);
         let names = self.names(&shapes);
         let scene = Scene {
             name: self.description.name.clone(),
@@ -137,16 +143,7 @@ impl Builder<'_> {
         let place = || format!("material '{}'", material.name);
         let model =
             Composite::new(&material.bsdf).map_err(|e: MaterialError| self.invalid(&place(), &e.to_string()))?;
-        if material
-            .emission
-            .constant()
-            .unwrap_or(&Rgb::BLACK)
-            .to_array()
-            .iter()
-            .any(|c| !(0.0..f64::INFINITY).contains(c))
-        {
-            return Err(self.invalid(&place(), "the emission must be finite and not negative"));
-        }
+        self.check_emission(material)?;
         Ok(SurfaceMaterial::new(model, material.two_sided))
     }
 
@@ -170,6 +167,11 @@ impl Builder<'_> {
 
     fn camera(&mut self, geometry: Bounds) -> Result<SensorDescription, BuildError> {
         if let Some(camera) = &self.description.sensor {
+            let [first, last] = camera.window;
+            if !(first.is_finite() && last.is_finite() && first.cmplt(last).all()) {
+                let what = "its film covers nothing of the image: the window's first corner must be left of and above the last";
+                return Err(self.invalid(&format!("camera '{}'", camera.name), what));
+            }
             return Ok(camera.clone());
         }
         let camera = framing_camera(geometry).ok_or_else(|| BuildError::NoCamera(self.description.source.clone()))?;
@@ -178,14 +180,14 @@ impl Builder<'_> {
     }
 
     fn film(&self, camera: &SensorDescription) -> Result<FilmSize, BuildError> {
+        let covered = camera.window[1] - camera.window[0];
+        let width = 256;
+        let height = |aspect: f64| ((f64::from(width) / aspect * covered.y / covered.x).round() as u32).max(1);
         let default = match camera.projection {
-            Projection::Perspective { aspect: Some(aspect), .. } => {
-                FilmSize { width: 256, height: ((256.0 / aspect).round() as u32).max(1) }
-            }
+            Projection::Perspective { aspect, .. } => FilmSize { width, height: height(aspect.unwrap_or(1.0)) },
             Projection::Orthographic { half_width, half_height } => {
-                FilmSize { width: 256, height: ((256.0 * half_height / half_width).round() as u32).max(1) }
+                FilmSize { width, height: height(half_width / half_height) }
             }
-            Projection::Perspective { aspect: None, .. } => FilmSize { width: 256, height: 256 },
             Projection::Hemisphere | Projection::Window { .. } => FilmSize { width: 64, height: 64 },
             Projection::Ray => return Ok(FilmSize { width: 1, height: 1 }),
         };
@@ -196,168 +198,6 @@ impl Builder<'_> {
         } else {
             Err(BuildError::EmptyFilm { file: self.description.source.clone(), size })
         }
-    }
-
-    fn geometry(&self, centre: DVec3, radius: f64) -> (Accel, Vec<[Vec3; 3]>, Vec<Option<u32>>) {
-        let smooth = self.description.meshes.iter().any(|m| m.normals.is_some());
-        let mut triangles = Vec::new();
-        let mut normals = Vec::new();
-        for (shape, mesh) in self.description.meshes.iter().enumerate() {
-            for indices in &mesh.triangles {
-                let corners = indices.map(|i| (mesh.positions[i as usize] - centre).as_vec3());
-                triangles.push(Triangle { corners, shape: shape as u32 });
-                if smooth {
-                    let normal = |i: u32| mesh.normals.as_ref().map_or(Vec3::ZERO, |n| n[i as usize].as_vec3());
-                    normals.push(indices.map(normal));
-                }
-            }
-        }
-        let first = self.description.meshes.len();
-        let spheres: Vec<SphereShape> = (self.description.spheres.iter().enumerate())
-            .map(|(i, s)| SphereShape { centre: s.centre - centre, radius: s.radius, shape: (first + i) as u32 })
-            .collect();
-        let (accel, order) = Accel::build(&triangles, &spheres, radius);
-        let unused = [Vec3::ZERO; 3];
-        let normals = match smooth {
-            true => order.iter().map(|i| i.map_or(unused, |i| normals[i as usize])).collect(),
-            false => Vec::new(),
-        };
-        (accel, normals, order)
-    }
-
-    /// What the materials ask of the meshes' triangles, in the order of their ids.
-    fn mapping(&self, order: &[Option<u32>], materials: &[SurfaceMaterial]) -> Mapping {
-        let asks = |mesh: &Mesh| materials[mesh.material].varies();
-        if !self.description.meshes.iter().any(asks) {
-            return Mapping::default();
-        }
-        let none = [Vec2::NAN; 3];
-        let corners = |mesh: &Mesh, triangle: usize| {
-            mesh.texcoords.as_ref().map_or(none, |all| mesh.triangles[triangle].map(|i| all[i as usize]))
-        };
-        let texcoords =
-            self.by_id(order, none, |mesh, triangle| if asks(mesh) { corners(mesh, triangle) } else { none });
-        let mut names = BTreeSet::new();
-        for material in &self.description.materials {
-            material.bsdf.visit_textures(&mut |texture| {
-                if let Texture::Attribute { name } = texture {
-                    names.insert(name.clone());
-                }
-            });
-        }
-        let table = |name: &String| {
-            let missing = [[0.0, 0.0, 0.0, 1.0]; 3];
-            self.by_id(order, missing, |mesh, triangle| {
-                let attribute = mesh.attributes.iter().find(|attribute| attribute.name == *name);
-                attribute.map_or(missing, |attribute| attribute.corners(triangle, mesh.triangles[triangle]))
-            })
-        };
-        let attributes = names.iter().map(|name| (name.clone(), table(name))).collect();
-        Mapping { texcoords, attributes }
-    }
-
-    /// A value for each triangle's id; `unused` where no triangle has it.
-    fn by_id<T: Copy>(&self, order: &[Option<u32>], unused: T, value: impl Fn(&Mesh, usize) -> T) -> Vec<T> {
-        let meshes = &self.description.meshes;
-        let in_order: Vec<T> = meshes
-            .iter()
-            .flat_map(|mesh| (0..mesh.triangles.len()).map(|i| value(mesh, i)).collect::<Vec<_>>())
-            .collect();
-        order.iter().map(|i| i.map_or(unused, |i| in_order[i as usize])).collect()
-    }
-
-    fn shapes(&self) -> Vec<Shape> {
-        let meshes = self.description.meshes.iter().map(|m| m.material);
-        let spheres = self.description.spheres.iter().map(|s| s.material);
-        meshes.chain(spheres).map(|m| Shape { material: MaterialId(m as u32), emitter: None }).collect()
-    }
-
-    /// Emitters have the order of [`emitters`](Self::emitters): meshes, spheres, lights, environment.
-    fn names(&self, shapes: &[Shape]) -> Names {
-        let SceneDescription { meshes, spheres, materials, lights, environment, .. } = self.description;
-        let shape_names = meshes.iter().map(|m| &m.name).chain(spheres.iter().map(|s| &s.name));
-        let mut surfaces: Vec<(EmitterId, &String)> =
-            shapes.iter().zip(shape_names).filter_map(|(shape, name)| Some((shape.emitter?, name))).collect();
-        surfaces.sort_by_key(|(id, _)| id.0);
-        let surfaces = surfaces.into_iter().map(|(_, name)| name.clone());
-        let lights = lights.iter().map(|light| light.name.clone());
-        let emitters = surfaces.chain(lights).chain(environment.as_ref().map(|_| "environment".to_owned()));
-        Names { materials: materials.iter().map(|m| m.name.clone()).collect(), emitters: emitters.collect() }
-    }
-
-    fn emitters(
-        &self,
-        accel: &Accel,
-        shapes: &mut [Shape],
-        centre: DVec3,
-        sphere_radius: f64,
-    ) -> Result<Vec<Emitter>, BuildError> {
-        let mut emitters = Vec::new();
-        let meshes = self.description.meshes.len();
-        let mut triangles = vec![Vec::new(); meshes];
-        for (id, triangle) in accel.triangles() {
-            if self.description.materials[shapes[triangle.shape as usize].material.0 as usize].emits() {
-                triangles[triangle.shape as usize].push(id);
-            }
-        }
-        for (shape, (mesh, triangles)) in self.description.meshes.iter().zip(triangles).enumerate() {
-            let material = &self.description.materials[mesh.material];
-            if !material.emits() {
-                continue;
-            }
-            let id = EmitterId(emitters.len() as u32);
-            let areas: Vec<f64> = triangles.iter().map(|&t| accel.triangle(t).area()).collect();
-            let area: f64 = areas.iter().sum();
-            let choice = Discrete::new(areas).filter(|_| area > 0.0 && area.is_finite());
-            let Some(choice) = choice else {
-                let what = format!("emits, but its area is {area}: give it area or no emission");
-                return Err(self.invalid(&format!("mesh '{}'", mesh.name), &what));
-            };
-            let material_id = shapes[shape].material;
-            shapes[shape].emitter = Some(id);
-            emitters.push(Emitter::Mesh(MeshEmitter {
-                id,
-                radiance: *material.emission.constant().unwrap_or(&Rgb::BLACK),
-                area,
-                triangles,
-                choice,
-                material: material_id,
-            }));
-        }
-        for (i, sphere) in accel.spheres().iter().enumerate() {
-            let shape = sphere.shape as usize;
-            let material = shapes[shape].material;
-            let description = &self.description.materials[material.0 as usize];
-            if description.emits() {
-                let id = EmitterId(emitters.len() as u32);
-                shapes[shape].emitter = Some(id);
-                let radiance = *description.emission.constant().unwrap_or(&Rgb::BLACK);
-                let primitive = accel.sphere_id(i);
-                let area = sphere.area();
-                emitters.push(Emitter::Sphere(SphereEmitter { id, radiance, area, primitive, material }));
-            }
-        }
-        for light in &self.description.lights {
-            let id = EmitterId(emitters.len() as u32);
-            emitters.push(match light.kind {
-                LightKind::Point { position, intensity } => {
-                    Emitter::Point(Point { id, position: position - centre, intensity })
-                }
-                LightKind::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-                    let position = position - centre;
-                    Emitter::Spot(Spot::new(id, position, direction, intensity, inner_angle, outer_angle))
-                }
-                LightKind::Projector { .. } => return Err(self.invalid("lights", "projectors are not supported yet")),
-                LightKind::Directional { direction, irradiance } => {
-                    Emitter::Directional(Directional { id, direction, irradiance, sphere_radius })
-                }
-            });
-        }
-        if let Some(EnvironmentDescription::Constant(radiance)) = self.description.environment {
-            let id = EmitterId(emitters.len() as u32);
-            emitters.push(Emitter::Environment(Environment { id, radiance, sphere_radius }));
-        }
-        if emitters.is_empty() { Err(BuildError::NoLight(self.description.source.clone())) } else { Ok(emitters) }
     }
 }
 
@@ -374,18 +214,6 @@ impl SceneDescription {
     pub fn framing_camera(&self) -> Option<SensorDescription> {
         framing_camera(bounds(self))
     }
-}
-
-fn bounds(description: &SceneDescription) -> Bounds {
-    let meshes = description
-        .meshes
-        .iter()
-        .map(|m| Bounds::around(m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
-    let spheres = description.spheres.iter().map(|s| {
-        let r = DVec3::splat(s.radius);
-        Bounds { min: s.centre - r, max: s.centre + r }
-    });
-    meshes.chain(spheres).fold(Bounds::EMPTY, Bounds::union)
 }
 
 fn framing_camera(geometry: Bounds) -> Option<SensorDescription> {

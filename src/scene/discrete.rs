@@ -41,12 +41,26 @@ impl Discrete {
         self.cumulative.partition_point(|&c| c <= u)
     }
 
+    /// The choice for `u`, and where within its share `u` lies: a number that is again uniform in `[0, 1)`, with fewer digits.
+    #[must_use]
+    pub fn split(&self, u: f64) -> (usize, f64) {
+        let index = self.sample(u);
+        let within = (u - self.below(index)) / self.probability(index).value();
+        (index, within.clamp(0.0, 1.0 - f64::EPSILON / 2.0))
+    }
+
     /// The probability of a choice.
     #[must_use]
     #[inline]
     pub fn probability(&self, index: usize) -> Probability {
-        let below = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
-        Probability::new(self.cumulative[index] - below)
+        Probability::new(self.cumulative[index] - self.below(index))
+    }
+
+    /// The probability of all choices before one.
+    #[must_use]
+    #[inline]
+    pub fn below(&self, index: usize) -> f64 {
+        if index == 0 { 0.0 } else { self.cumulative[index - 1] }
     }
 
     /// Number of choices.
@@ -71,6 +85,13 @@ mod tests {
         let d = Discrete::new([1.0, 0.0, 3.0]).expect("valid");
         assert_eq!([0.0, 0.2499, 0.25, 0.999].map(|u| d.sample(u)), [0, 0, 2, 2]);
         assert_eq!([0, 1, 2].map(|i| d.probability(i).value()), [0.25, 0.0, 0.75]);
+    }
+
+    #[test]
+    fn splitting_a_number_leaves_a_uniform_one() {
+        let d = Discrete::new([1.0, 0.0, 3.0]).expect("valid");
+        assert_eq!([0.0, 0.125, 0.25, 0.625].map(|u| d.split(u)), [(0, 0.0), (0, 0.5), (2, 0.0), (2, 0.5)]);
+        assert!(d.split(1.0 - f64::EPSILON / 2.0).1 < 1.0);
     }
 
     #[test]

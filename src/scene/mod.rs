@@ -26,8 +26,9 @@ use glam::{DVec3, Vec3};
 use crate::geometry::Ray;
 use crate::measure::Probability;
 use crate::path::{Vertex, VertexKind};
+use crate::spectrum::Rgb;
 
-use accel::{Accel, Hit};
+use accel::{Accel, Hit, ShapePoint};
 use bsdf::Bsdf;
 use description::{Reference, RenderHints};
 use discrete::Discrete;
@@ -35,6 +36,7 @@ use emitter::Emitter;
 use mapping::Mapping;
 use material::{Scattering, SurfaceMaterial};
 use sensor::Sensor;
+use texture::Texture;
 
 pub use accel::PrimitiveId;
 pub use build::{BuildError, LightSelection, SceneOptions};
@@ -78,7 +80,7 @@ struct Names {
     emitters: Vec<String>,
 }
 
-/// What all triangles of a mesh, or a sphere, have in common.
+/// What all triangles of a mesh, or an analytic shape, have in common.
 #[derive(Clone, Copy, Debug)]
 struct Shape {
     material: MaterialId,
@@ -123,7 +125,7 @@ impl Scene {
         self.reference.as_ref()
     }
 
-    /// The triangles and spheres.
+    /// The triangles and analytic shapes.
     #[must_use]
     pub fn accel(&self) -> &Accel {
         &self.accel
@@ -163,7 +165,7 @@ impl Scene {
         &self.names.materials[id.0 as usize]
     }
 
-    /// What the file calls an emitter: the mesh, the sphere or the light; `environment` for that.
+    /// What the file calls an emitter: the mesh, the analytic shape or the light; `environment` for that.
     #[must_use]
     pub fn emitter_name(&self, id: EmitterId) -> &str {
         &self.names.emitters[id.0 as usize]
@@ -202,18 +204,25 @@ impl Scene {
         !self.accel.occluded(a.position, a.primitive(), b.position, b.primitive())
     }
 
+    /// What a texture says that a vertex emits to its front.
+    #[inline(never)]
+    fn textured_emission(&self, texture: &Texture, x0: &Vertex) -> Rgb {
+        self.mapping.emitted(&self.accel, texture, x0.primitive(), x0.position)
+    }
+
     fn environment_beyond(&self, ray: &Ray) -> Option<Vertex> {
         match self.emitter(self.environment?) {
             Emitter::Environment(environment) => Some(environment.beyond(ray.origin, ray.direction)),
+            Emitter::EnvironmentMap(map) => Some(map.beyond(ray.origin, ray.direction)),
             _ => None,
         }
     }
 
     #[inline(always)]
     fn surface_vertex(&self, ray: &Ray, hit: &Hit) -> Vertex {
-        let (position, normal, shading_normal, shape) = if let Some(sphere) = self.accel.as_sphere(hit.primitive) {
-            let normal = (ray.at(hit.t) - sphere.centre).normalize();
-            (sphere.centre + normal * sphere.radius, normal, normal, sphere.shape)
+        let (position, normal, shading_normal, shape) = if let Some(shape) = self.accel.as_analytic(hit.primitive) {
+            let ShapePoint { position, normal } = shape.nearest(ray.at(hit.t));
+            (position, normal, normal, shape.shape())
         } else {
             let triangle = self.accel.triangle(hit.primitive);
             let normal = self.accel.normal(hit.primitive);

@@ -23,8 +23,8 @@ impl Surfaces {
     pub(super) fn new(scene: &Scene) -> Option<Self> {
         let accel = scene.accel();
         let triangles = accel.triangles().map(|(id, triangle)| (id, triangle.area()));
-        let spheres = accel.spheres().iter().enumerate().map(|(i, sphere)| (accel.sphere_id(i), sphere.area()));
-        let (primitives, areas): (Vec<_>, Vec<_>) = triangles.chain(spheres).unzip();
+        let analytic = accel.analytic().iter().enumerate().map(|(i, shape)| (accel.analytic_id(i), shape.area()));
+        let (primitives, areas): (Vec<_>, Vec<_>) = triangles.chain(analytic).unzip();
         let area = areas.iter().sum();
         let choice = Discrete::new(areas).filter(|choice| !choice.is_empty() && area > 0.0)?;
         Some(Self { primitives, choice, area })
@@ -35,8 +35,8 @@ impl Surfaces {
     pub fn restricted(&self, scene: &Scene, keep: impl Fn(&Vertex) -> bool) -> Option<Self> {
         let of = |primitive: &PrimitiveId| keep(&point(scene, *primitive, [0.5; 2]));
         let primitives: Vec<PrimitiveId> = self.primitives.iter().copied().filter(|primitive| of(primitive)).collect();
-        let area_of = |&primitive: &PrimitiveId| match scene.accel().as_sphere(primitive) {
-            Some(sphere) => sphere.area(),
+        let area_of = |&primitive: &PrimitiveId| match scene.accel().as_analytic(primitive) {
+            Some(shape) => shape.area(),
             None => scene.accel().triangles().find(|(id, _)| *id == primitive).map_or(0.0, |(_, t)| t.area()),
         };
         let areas: Vec<f64> = primitives.iter().map(area_of).collect();
@@ -67,9 +67,7 @@ impl Surfaces {
 /// A point of a primitive, uniform by area.
 fn point(scene: &Scene, primitive: PrimitiveId, u: [f64; 2]) -> Vertex {
     let [_, v, w] = warp::uniform_triangle(u);
-    let (ray, t) = match scene.accel().as_sphere(primitive) {
-        Some(sphere) => (Ray::new(sphere.centre, warp::uniform_sphere(u)), sphere.radius),
-        None => (Ray::new(DVec3::ZERO, DVec3::Z), 0.0),
-    };
-    scene.surface_vertex(&ray, &Hit { t, primitive, barycentric: [v, w] })
+    // A ray that has arrived.
+    let start = scene.accel().as_analytic(primitive).map_or(DVec3::ZERO, |shape| shape.sample(u).position);
+    scene.surface_vertex(&Ray::new(start, DVec3::Z), &Hit { t: 0.0, primitive, barycentric: [v, w] })
 }

@@ -1,16 +1,20 @@
 //! Small scenes with known answers, and some that have a bit of everything.
 
+mod shapes;
+
 use std::sync::Arc;
 
 use glam::{DAffine2, DVec2, DVec3, Vec2};
 
 use crate::scene::description::{
-    BsdfDescription, ConductorFresnel, FilmSize, Lens, Light, LightKind, Material, Mesh, NormalSource, Projection,
-    SensorDescription, Sphere,
+    BsdfDescription, ConductorFresnel, FilmSize, Lens, Light, LightKind, Material, Mesh, MicrofacetKind, NormalSource,
+    Projection, SensorDescription, Sphere,
 };
 use crate::scene::texture::{Parameter, Texture};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
+
+pub use shapes::{lanterns, observatory, patches};
 
 /// A rectangle with corners `origin`, `origin + u`, `origin + u + v`, `origin + v`; its front is where u × v points.
 #[must_use]
@@ -267,6 +271,58 @@ pub fn veneer(film: FilmSize) -> SceneDescription {
     let tiles = board(Texture::Constant([0.8, 0.7, 0.6, 1.0]), Texture::Constant([0.2, 0.3, 0.4, 1.0]), 4.0);
     let tiles = Box::new(BsdfDescription::Diffuse { reflectance: Parameter::Texture(tiles) });
     scene.materials[0].bsdf = BsdfDescription::Perturbed { normal, nested: tiles };
+    scene
+}
+
+/// The cabinet with materials beyond the plain ones: tinted and brushed metal and glass of other microfacets, a pane.
+#[must_use]
+pub fn showroom(film: FilmSize) -> SceneDescription {
+    let mut scene = cabinet(film);
+    scene.name = "showroom".into();
+    let mut replace = |name: &str, bsdf: BsdfDescription| {
+        let found = scene.materials.iter_mut().find(|material| material.name == name);
+        found.expect("the cabinet has it").bsdf = bsdf;
+    };
+    replace(
+        "rough metal",
+        BsdfDescription::RoughConductor {
+            distribution: MicrofacetKind::Beckmann,
+            alpha: 0.5.into(),
+            alpha_v: Some(0.15.into()),
+            fresnel: ConductorFresnel::Ior { eta: Rgb::new(0.2, 0.9, 1.1), k: Rgb::new(3.9, 2.4, 2.2) },
+            reflectance: Rgb::new(0.8, 0.9, 1.0).into(),
+        },
+    );
+    replace(
+        "mirror",
+        BsdfDescription::ThinDielectric {
+            interior_ior: 1.5,
+            exterior_ior: 1.0,
+            reflectance: Rgb::new(0.9, 0.8, 0.7).into(),
+            transmittance: Rgb::new(0.5, 0.9, 0.8).into(),
+        },
+    );
+    replace(
+        "glass",
+        BsdfDescription::Dielectric {
+            interior_ior: 1.5,
+            exterior_ior: 1.0,
+            reflectance: Rgb::new(0.7, 0.8, 1.0).into(),
+            transmittance: Rgb::new(1.0, 0.8, 0.6).into(),
+        },
+    );
+    replace(
+        "rough glass",
+        BsdfDescription::RoughDielectric {
+            distribution: MicrofacetKind::Ggx,
+            alpha: 0.2.into(),
+            alpha_v: Some(0.5.into()),
+            interior_ior: 1.4,
+            exterior_ior: 1.0,
+            reflectance: Rgb::new(1.0, 0.5, 0.8).into(),
+            transmittance: Rgb::new(0.6, 0.8, 1.0).into(),
+        },
+    );
     scene
 }
 

@@ -24,8 +24,9 @@ fn check<E: Estimator>(scene: &SceneDescription, estimator: &E) {
     assert_eq!(comparison.hidden, 0, "{}: edges that the walk has drawn are denied", scene.name);
 }
 
-fn all_scenes() -> [SceneDescription; 5] {
-    [scenes::room(FILM), scenes::cabinet(FILM), scenes::terrace(FILM), scenes::gallery(FILM), scenes::veneer(FILM)]
+fn all_scenes() -> [SceneDescription; 8] {
+    use scenes::{cabinet, gallery, lanterns, observatory, room, showroom, terrace, veneer};
+    [room, cabinet, terrace, gallery, veneer, showroom, lanterns, observatory].map(|make| make(FILM))
 }
 
 const SETTINGS: [&str; 5] = [

@@ -11,7 +11,7 @@ use pathspace_light::LightTracer;
 use pathspace_path::PathTracer;
 use pathspace_path_bsdf::BsdfPathTracer;
 
-struct Passes(u64);
+pub(crate) struct Passes(pub u64);
 
 impl Control for Passes {
     fn next_passes(&mut self, film: &Film) -> u64 {

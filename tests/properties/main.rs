@@ -6,6 +6,7 @@ mod coverage;
 mod definition;
 mod experiment;
 mod known_answers;
+mod mitsuba;
 mod path_log;
 mod path_log_recomputed;
 mod radiosity;

@@ -75,7 +75,7 @@ impl PathSampler for AreaSampler {
     }
 
     fn covers(&self, scene: &Scene) -> Result<(), String> {
-        let on_surface = |emitter: &Emitter| matches!(emitter, Emitter::Mesh(_) | Emitter::Sphere(_));
+        let on_surface = Emitter::is_surface;
         if !scene.emitters().iter().all(on_surface) {
             return Err("area finds light that surfaces emit, and the scene has other lights".into());
         }

@@ -41,7 +41,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         let scene = self.tracer.scene();
         let x0 = &self.z[t - 1];
         let Some(id) = x0.vertex.emitter() else { return };
-        let emission = scene.emitter(id).emission(&x0.vertex, x0.back);
+        let emission = scene.emitter(id).emission(scene, &x0.vertex, x0.back);
         if emission.is_black() {
             return;
         }
@@ -69,7 +69,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         };
         let x0 = direct.vertex;
         let edge = Edge::between(&x0, &b.vertex);
-        let emission = emitter.emission(&x0, edge.direction);
+        let emission = emitter.emission(scene, &x0, edge.direction);
         if emission.is_black() {
             return;
         }
@@ -130,7 +130,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         let density = scene.density_of_two(&x0, &xk);
         let edge = Edge::between(&x0, &xk);
         let Some(importance) = sensor.importance(&xk, -edge.direction) else { return };
-        let emission = emitter.emission(&x0, edge.direction);
+        let emission = emitter.emission(scene, &x0, edge.direction);
         let value = emission * (edge.geometry(&x0, &xk) * importance.value / density);
         if value.is_black() || !self.tracer.visible(&x0, &xk) {
             return;

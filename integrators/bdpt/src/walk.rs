@@ -121,7 +121,7 @@ pub(crate) fn from_emitter(
     let position = scene.emitter_probability(id).value() * density.position;
     walk.clear();
     walk.push(WalkVertex::new(scene, x0, direction, Rgb::WHITE / position.value(), position));
-    let emitted = emitter.emission(&x0, direction) * (x0.abs_cos(direction) / density.direction.value());
+    let emitted = emitter.emission(scene, &x0, direction) * (x0.abs_cos(direction) / density.direction.value());
     let throughput = walk[0].throughput * emitted;
     if !throughput.is_black() {
         let first = onward(direction, throughput, LobeDensity::Finite(density.direction));

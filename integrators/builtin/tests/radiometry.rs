@@ -5,10 +5,14 @@
 
 use std::f64::consts::PI;
 
-use glam::DVec3;
+use glam::{DAffine2, DMat3, DVec3};
 use pathspace::estimator::{Control, Integrator};
 use pathspace::film::Film;
-use pathspace::scene::description::{FilmSize, Light, LightKind, Projection, SensorDescription, Sphere};
+use pathspace::scene::description::{
+    Cylinder, Disk, EnvironmentDescription, FilmSize, Light, LightKind, Projection, SensorDescription, Sphere,
+};
+use pathspace::scene::emitter::Emitter;
+use pathspace::scene::texture::{Parameter, Texture};
 use pathspace::scene::{Scene, SceneDescription};
 use pathspace::spectrum::Rgb;
 use pathspace::testing::scenes;
@@ -98,6 +102,115 @@ fn irradiance_below_a_square() {
 }
 
 /// `E = Φ/(4π r²) cos θ` with `Φ = 4π² a² L`, that is `π L (a/r)² cos θ`: radiance, times the sphere's projected solid angle.
+/// `E = π L r² / (r² + d²)` on the axis of a disk; half of that where half of each ring emits.
+#[test]
+fn irradiance_below_a_disk() {
+    let (radius, distance) = (0.8, 1.5);
+    let mut scene = dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Hemisphere));
+    let axes = [DVec3::X * radius, DVec3::Z * radius];
+    let disk = Disk { name: "lamp".into(), centre: DVec3::Y * distance, axes, flipped: false, material: 1 };
+    scene.disks.push(disk);
+    let expected = 3.0 * PI * radius * radius / (radius * radius + distance * distance);
+    meets("disk", &scene, PI, expected, &ALL);
+    let colours = Box::new([[1.0, 3.0, 2.0, 1.0], [0.0; 4]].map(Texture::Constant));
+    let board = Texture::Checkerboard { colours, to_uv: DAffine2::IDENTITY };
+    scene.materials[1].emission = Parameter::Texture(board.into());
+    meets("chequered disk", &scene, PI, 0.5 * expected, &ALL);
+    let flux = scenes::build(&scene).emitters()[0].flux().g;
+    let exact = 0.5 * PI * 3.0 * PI * radius * radius;
+    assert!((flux / exact - 1.0).abs() < 2e-3, "flux {flux}, expected {exact}");
+}
+
+/// In the middle of the open end of a cylinder that emits inwards, `E = π L h² / (h² + r²)`: all but what its other end would
+/// send.
+#[test]
+fn irradiance_within_a_cylinder() {
+    let (radius, height) = (0.7, 1.2);
+    let mut scene = dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Hemisphere));
+    scene.cylinders.push(Cylinder {
+        name: "shade".into(),
+        base: DVec3::ZERO,
+        axis: DVec3::Y * height,
+        radius,
+        meridian: DVec3::X,
+        clockwise: false,
+        inward: true,
+        material: 1,
+    });
+    let expected = 3.0 * PI * height * height / (height * height + radius * radius);
+    meets("inside of a cylinder", &scene, PI, expected, &ALL);
+}
+
+/// Below a tube, against `∫ L cos θ cos θ' / d² dA` over what faces the meter, by the midpoint rule.
+#[test]
+fn irradiance_below_a_tube() {
+    let (radius, base, axis) = (0.3, DVec3::new(-0.8, 1.0, 0.2), DVec3::new(1.5, 0.3, 0.0));
+    let mut scene = dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Hemisphere));
+    let meridian = DVec3::Z;
+    let (inward, clockwise) = (false, true);
+    scene.cylinders.push(Cylinder {
+        name: "tube".into(),
+        base,
+        axis,
+        radius,
+        meridian,
+        clockwise,
+        inward,
+        material: 1,
+    });
+    let across = axis.normalize().cross(meridian);
+    let n = 1000;
+    let part = |i: i32, j: i32| {
+        let (turn, height) = (2.0 * PI * (f64::from(i) + 0.5) / f64::from(n), (f64::from(j) + 0.5) / f64::from(n));
+        let normal = meridian * turn.cos() + across * turn.sin();
+        let p = base + axis * height + normal * radius;
+        (p.y.max(0.0) * (-p.dot(normal)).max(0.0)) / p.length_squared().powi(2)
+    };
+    let sum: f64 = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| part(i, j)).sum();
+    let expected = 3.0 * sum * 2.0 * PI * radius * axis.length() / f64::from(n * n);
+    meets("tube", &scene, PI, expected, &ALL);
+}
+
+/// Inside of a sphere that emits inwards, `E = π L` everywhere.
+#[test]
+fn irradiance_within_a_sphere() {
+    let normal = DVec3::new(1.0, 2.0, 3.0).normalize();
+    let mut scene = dark(sensor(DVec3::new(0.3, -0.2, 0.4), normal, Projection::Hemisphere));
+    scene.spheres.push(Sphere { inward: true, ..Sphere::new("lamp", DVec3::ZERO, 0.9, 1) });
+    meets("inside of a sphere", &scene, PI, 3.0 * PI, &ALL);
+}
+
+/// `E = ∫ L cos θ dσ` under an image of the sky, by the midpoint rule: every integrator, whether it samples the image or
+/// meets it by chance. An image that is the same everywhere is the constant environment.
+#[test]
+fn irradiance_under_an_image_of_the_sky() {
+    let normal = DVec3::new(0.3, 0.9, -0.4).normalize();
+    let meter = || dark(sensor(DVec3::new(0.1, 0.2, 0.3), normal, Projection::Hemisphere));
+    let to_world = DMat3::from_rotation_x(0.8) * DMat3::from_rotation_y(2.0);
+    for (bitmap, grey) in [(scenes::patches(8, 6, 2.0), None), (scenes::patches(3, 2, 0.0), Some(1.0_f32))] {
+        let mut scene = meter();
+        let mut bitmap = bitmap;
+        if let (Some(grey), pathspace::scene::texture::Texels::Float(texels)) = (grey, &mut bitmap.texels) {
+            texels.fill([grey, grey, grey, 1.0]);
+        }
+        scene.environment = Some(EnvironmentDescription::Map { bitmap: bitmap.into(), scale: 1.5, to_world });
+        let built = scenes::build(&scene);
+        let Emitter::EnvironmentMap(map) = &built.emitters()[0] else { panic!("it is a map") };
+        let n = 1000;
+        let even = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+        let lit = |i: u32, j: u32| {
+            let to_light = pathspace::warp::uniform_sphere([even(i), even(j)]);
+            map.radiance(-to_light).g * to_light.dot(normal).max(0.0)
+        };
+        let sum: f64 = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| lit(i, j)).sum();
+        let expected = sum * 4.0 * PI / f64::from(n * n);
+        if grey.is_some() {
+            assert!((expected / (1.5 * PI) - 1.0).abs() < 1e-5);
+        }
+        meets("sky", &scene, PI, expected, &ALL);
+    }
+}
+
 #[test]
 fn irradiance_of_a_sphere_and_its_cosine() {
     for (radius, distance, angle) in [(0.5, 2.0, 0.0), (0.1, 3.0, 0.0), (0.2, 1.5, 0.6_f64), (0.05, 1.0, 1.2)] {

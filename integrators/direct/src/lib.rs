@@ -99,7 +99,7 @@ impl Direct {
             By::Emitters => {
                 let emitter = scene.emitter(scene.choose_emitter(side));
                 let vertex = match emitter {
-                    Emitter::Mesh(_) | Emitter::Sphere(_) => {
+                    emitter if emitter.is_surface() => {
                         emitter.sample_emission(scene.accel(), [random.uniform(), u[0], u[1], 0.5, 0.5]).vertex
                     }
                     _ => emitter.sample_direct(scene.accel(), x1.position, [random.uniform(), u[0], u[1]])?.vertex,
@@ -134,9 +134,7 @@ impl Direct {
             By::Cosine => by_direction(cos.abs() * FRAC_1_PI),
             By::Bsdf => scene.step(Side::Sensor, x2, x1, x0, false).map_or(Density::ZERO, |step| step.density),
             By::Emitters => match emitter {
-                Emitter::Mesh(_) | Emitter::Sphere(_) => {
-                    probability * emitter.emission_density(x0, -edge.direction).position
-                }
+                emitter if emitter.is_surface() => probability * emitter.emission_density(x0, -edge.direction).position,
                 _ => probability * emitter.direct_density(scene.accel(), x1.position, x0, &edge),
             },
             By::Surfaces if x0.scatters() => {
@@ -199,7 +197,7 @@ impl PathSampler for Direct {
 
     fn covers(&self, scene: &Scene) -> Result<(), String> {
         let all = |found: fn(&Emitter) -> bool| scene.emitters().iter().all(found);
-        let on_surface = |emitter: &Emitter| matches!(emitter, Emitter::Mesh(_) | Emitter::Sphere(_));
+        let on_surface = Emitter::is_surface;
         match self.by {
             _ if self.by_direction() && !all(Emitter::can_be_hit) => {
                 Err("direct by directions meets no point, spot or directional lights, which the scene has".into())

@@ -171,7 +171,7 @@ impl LightTracer {
             1.0
         };
         let value = walk.throughput
-            * emitter.emission(&x0, edge.direction)
+            * emitter.emission(scene, &x0, edge.direction)
             * (edge.geometry(&x0, &xk) * importance.value / density);
         if !value.is_black() && tracer.visible(&x0, &xk) {
             let rest = [x0, xk];
@@ -191,7 +191,7 @@ impl LightTracer {
         let emitter = scene.emitter(id);
         let density = emitter.emission_density(x0, direction);
         let weight = x0.abs_cos(direction) / (density.position.value() * density.direction.value());
-        walk.throughput *= emitter.emission(x0, direction) * weight;
+        walk.throughput *= emitter.emission(scene, x0, direction) * weight;
         if S::RECORDS {
             walk.history.push((*x0, false));
         }

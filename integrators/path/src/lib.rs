@@ -120,7 +120,7 @@ impl PathTracer {
     #[inline]
     fn add_emission<S: Sink>(&self, scene: &Scene, walk: &mut Walk<'_, S>, arrival: &Arrival, x0: &Vertex, edges: u32) {
         let Some(id) = x0.emitter() else { return };
-        let emission = scene.emitter(id).emission(x0, -arrival.direction);
+        let emission = scene.emitter(id).emission(scene, x0, -arrival.direction);
         if emission.is_black() {
             return;
         }
@@ -150,7 +150,7 @@ impl PathTracer {
         let Some(direct) = emitter.sample_direct(scene.accel(), x1.position, random.uniform3()) else { return };
         let x0 = direct.vertex;
         let edge = Edge::between(x1, &x0);
-        let emission = emitter.emission(&x0, -edge.direction);
+        let emission = emitter.emission(scene, &x0, -edge.direction);
         if emission.is_black() {
             return;
         }

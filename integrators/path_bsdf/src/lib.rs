@@ -61,7 +61,7 @@ impl Estimator for BsdfPathTracer {
         for edges in 1..=self.max_length {
             let Some(vertex) = tracer.trace(&previous, direction) else { return };
             if let Some(id) = vertex.emitter() {
-                let value = throughput * scene.emitter(id).emission(&vertex, -direction);
+                let value = throughput * scene.emitter(id).emission(scene, &vertex, -direction);
                 let technique = Technique { s: 0, t: edges + 1 };
                 if !value.is_black() {
                     sink.add(Term { pixel, value, technique, weight: 1.0, sampler: None }, || {

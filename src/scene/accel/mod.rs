@@ -4,6 +4,9 @@
 //! the box tests, cannot slip past them. What lies in the leaves is tested in double precision. There is no epsilon:
 //! a surface that the origin lies on is excluded by its identity.
 
+mod analytic;
+mod cylinder;
+mod disk;
 mod sphere;
 mod tree;
 mod triangle;
@@ -12,12 +15,15 @@ use glam::DVec3;
 
 use crate::geometry::{Bounds, Ray};
 
+pub use analytic::{AnalyticShape, ShapePoint};
+pub use cylinder::CylinderShape;
+pub use disk::DiskShape;
 pub use sphere::SphereShape;
 use tree::Tree;
 pub use triangle::Triangle;
 use triangle::{Block, LANES, Line, ShearedRay, TriangleHit};
 
-/// A triangle or an analytic sphere of the scene: triangles first, in the order of the BVH's leaves, then spheres.
+/// A triangle or an analytic shape of the scene: triangles first, in the order of the BVH's leaves, then the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct PrimitiveId(pub u32);
 
@@ -33,17 +39,17 @@ pub struct Hit {
     pub t: f64,
     /// What it meets.
     pub primitive: PrimitiveId,
-    /// Barycentric weights of the triangle's second and third corner; zero for a sphere.
+    /// Barycentric weights of the triangle's second and third corner; zero for an analytic shape.
     pub barycentric: [f64; 2],
 }
 
 /// Up to so many triangles there is no tree: asking all of them is faster.
 const FEW_TRIANGLES: usize = 64;
-/// The same for spheres.
-const FEW_SPHERES: usize = 4;
+/// The same for analytic shapes.
+const FEW_SHAPES: usize = 4;
 
-/// Spheres in a leaf of their tree.
-const SPHERES: usize = 4;
+/// Analytic shapes in a leaf of their tree.
+const SHAPES: usize = 4;
 
 /// The primitives of a scene and the hierarchies above them.
 #[derive(Debug)]
@@ -56,33 +62,33 @@ pub struct Accel {
     triangle_shapes: Vec<u32>,
     /// Their unit normals, by id.
     triangle_normals: Vec<DVec3>,
-    spheres: Vec<SphereShape>,
-    /// The spheres of each leaf of their tree.
-    sphere_ranges: Vec<std::ops::Range<usize>>,
+    analytic: Vec<AnalyticShape>,
+    /// The analytic shapes of each leaf of their tree.
+    analytic_ranges: Vec<std::ops::Range<usize>>,
     /// None where there are few.
     triangle_tree: Option<Tree>,
-    sphere_tree: Option<Tree>,
+    analytic_tree: Option<Tree>,
 }
 
 impl Accel {
     /// Builds the hierarchies and gives each primitive its id. `radius` bounds the distance of everything that rays start
     /// from to the origin. The second result has the old position of each triangle id; `None` where no triangle has it.
     #[must_use]
-    pub fn build(triangles: &[Triangle], spheres: &[SphereShape], radius: f64) -> (Self, Vec<Option<u32>>) {
+    pub fn build(triangles: &[Triangle], analytic: &[AnalyticShape], radius: f64) -> (Self, Vec<Option<u32>>) {
         // Rounding of a ray to f32 moves it by less than 2⁻²² of the scene's size anywhere inside it.
         let pad = radius * f64::powi(2.0, -19);
         let (triangle_tree, leaves) = tree_of_many(triangles.iter().map(Triangle::bounds), pad, LANES, FEW_TRIANGLES);
         let blocks = leaves.iter().map(|leaf| Block::new(leaf.iter().map(|&i| triangles[i as usize]))).collect();
         let lanes = |leaf: &Vec<u32>| (0..LANES).map(|i| leaf.get(i).copied()).collect::<Vec<_>>();
         let slots: Vec<Option<u32>> = leaves.iter().flat_map(lanes).collect();
-        let (sphere_tree, sphere_leaves) =
-            tree_of_many(spheres.iter().map(SphereShape::bounds), pad, SPHERES, FEW_SPHERES);
-        let mut ordered_spheres = Vec::new();
-        let sphere_ranges = (sphere_leaves.iter())
+        let (analytic_tree, analytic_leaves) =
+            tree_of_many(analytic.iter().map(AnalyticShape::bounds), pad, SHAPES, FEW_SHAPES);
+        let mut ordered = Vec::with_capacity(analytic.len());
+        let analytic_ranges = (analytic_leaves.iter())
             .map(|leaf| {
-                let first = ordered_spheres.len();
-                ordered_spheres.extend(leaf.iter().map(|&i| spheres[i as usize]));
-                first..ordered_spheres.len()
+                let first = ordered.len();
+                ordered.extend(leaf.iter().map(|&i| analytic[i as usize].clone()));
+                first..ordered.len()
             })
             .collect();
         let accel = Self {
@@ -92,10 +98,10 @@ impl Accel {
                 .map(|i| i.map_or(DVec3::ZERO, |i| triangles[i as usize].area_vector().normalize()))
                 .collect(),
             triangle_shapes: slots.iter().map(|i| i.map_or(u32::MAX, |i| triangles[i as usize].shape)).collect(),
-            spheres: ordered_spheres,
-            sphere_ranges,
+            analytic: ordered,
+            analytic_ranges,
             triangle_tree,
-            sphere_tree,
+            analytic_tree,
         };
         (accel, slots)
     }
@@ -106,23 +112,30 @@ impl Accel {
         ids.filter(|id| self.triangle_shapes[id.0 as usize] != u32::MAX).map(|id| (id, self.triangle(id)))
     }
 
-    /// The spheres in the order of their ids.
+    /// The analytic shapes in the order of their ids.
     #[must_use]
-    pub fn spheres(&self) -> &[SphereShape] {
-        &self.spheres
+    pub fn analytic(&self) -> &[AnalyticShape] {
+        &self.analytic
     }
 
-    /// The id of a sphere by its position in [`spheres`](Self::spheres).
+    /// The id of an analytic shape by its position in [`analytic`](Self::analytic).
     #[must_use]
-    pub fn sphere_id(&self, index: usize) -> PrimitiveId {
+    pub fn analytic_id(&self, index: usize) -> PrimitiveId {
         PrimitiveId((self.triangle_shapes.len() + index) as u32)
     }
 
-    /// The sphere with this id, or `None` where it is a triangle's.
+    /// The position in [`analytic`](Self::analytic) of the shape with this id, or `None` where it is a triangle's.
     #[must_use]
     #[inline]
-    pub fn as_sphere(&self, id: PrimitiveId) -> Option<&SphereShape> {
-        (id.0 as usize).checked_sub(self.triangle_shapes.len()).map(|i| &self.spheres[i])
+    pub fn analytic_index(&self, id: PrimitiveId) -> Option<usize> {
+        (id.0 as usize).checked_sub(self.triangle_shapes.len())
+    }
+
+    /// The analytic shape with this id, or `None` where it is a triangle's.
+    #[must_use]
+    #[inline]
+    pub fn as_analytic(&self, id: PrimitiveId) -> Option<&AnalyticShape> {
+        self.analytic_index(id).map(|i| &self.analytic[i])
     }
 
     /// The triangle with this id.
@@ -152,7 +165,7 @@ impl Accel {
             }
             Some(tree) => self.closest_in_tree(tree, ray, start),
         };
-        if self.spheres.is_empty() { hit } else { self.closest_sphere(ray, start, hit) }
+        if self.analytic.is_empty() { hit } else { self.closest_analytic(ray, start, hit) }
     }
 
     #[inline(never)]
@@ -166,14 +179,14 @@ impl Accel {
         nearest.hit()
     }
 
-    /// The nearest sphere, if it is nearer than the hit.
+    /// The nearest analytic shape, if it is nearer than the hit.
     #[inline(never)]
-    fn closest_sphere(&self, ray: &Ray, start: PrimitiveId, mut hit: Option<Hit>) -> Option<Hit> {
+    fn closest_analytic(&self, ray: &Ray, start: PrimitiveId, mut hit: Option<Hit>) -> Option<Hit> {
         let hit_distance = hit.map_or(f64::MAX, |hit| hit.t);
         let mut nearest = hit_distance;
         let mut test = |slot: usize| {
-            let primitive = self.sphere_id(slot);
-            if let Some(t) = self.spheres[slot].intersect(ray, primitive == start)
+            let primitive = self.analytic_id(slot);
+            if let Some(t) = self.analytic[slot].intersect(ray, primitive == start)
                 && t < nearest
             {
                 nearest = t;
@@ -181,10 +194,10 @@ impl Accel {
             }
             nearest
         };
-        match &self.sphere_tree {
-            None => (0..self.spheres.len()).for_each(|slot| _ = test(slot)),
+        match &self.analytic_tree {
+            None => (0..self.analytic.len()).for_each(|slot| _ = test(slot)),
             Some(tree) => tree.visit(ray, hit_distance, |leaf| {
-                self.sphere_ranges[leaf].clone().map(&mut test).last().expect("leaves are not empty")
+                self.analytic_ranges[leaf].clone().map(&mut test).last().expect("leaves are not empty")
             }),
         }
         hit
@@ -217,19 +230,19 @@ impl Accel {
             None => meets(self.all_candidates(&line)),
             Some(tree) => tree.any(&segment, 1.0, |leaf| meets(self.candidates(leaf, &line))),
         };
-        by_triangle || (!self.spheres.is_empty() && self.occluded_by_sphere(&segment, on_from, on_to))
+        by_triangle || (!self.analytic.is_empty() && self.occluded_by_analytic(&segment, on_from, on_to))
     }
 
-    fn occluded_by_sphere(&self, segment: &Ray, on_from: PrimitiveId, on_to: PrimitiveId) -> bool {
+    fn occluded_by_analytic(&self, segment: &Ray, on_from: PrimitiveId, on_to: PrimitiveId) -> bool {
         let length = segment.direction.length();
         let ray = Ray::new(segment.origin, segment.direction / length);
         let blocks = |slot: usize| {
-            let id = self.sphere_id(slot);
-            self.spheres[slot].blocks(&ray, length, id == on_from, id == on_to)
+            let id = self.analytic_id(slot);
+            self.analytic[slot].blocks(&ray, length, id == on_from, id == on_to)
         };
-        match &self.sphere_tree {
-            None => (0..self.spheres.len()).any(blocks),
-            Some(tree) => tree.any(&ray, length, |leaf| self.sphere_ranges[leaf].clone().any(blocks)),
+        match &self.analytic_tree {
+            None => (0..self.analytic.len()).any(blocks),
+            Some(tree) => tree.any(&ray, length, |leaf| self.analytic_ranges[leaf].clone().any(blocks)),
         }
     }
 

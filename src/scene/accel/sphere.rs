@@ -4,13 +4,17 @@ use glam::DVec3;
 
 use crate::geometry::{Bounds, Ray};
 
-/// An analytic sphere; its front is the outside.
+use super::analytic::ShapePoint;
+
+/// An analytic sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SphereShape {
     /// Centre, relative to the scene's \[m\].
     pub centre: DVec3,
     /// Radius \[m\].
     pub radius: f64,
+    /// Its front is the inside.
+    pub inward: bool,
     /// The shape that it belongs to.
     pub shape: u32,
 }
@@ -52,6 +56,19 @@ impl SphereShape {
         self.roots(ray, starts_here).is_some_and(|roots| roots.iter().any(|&t| t > 0.0 && t < length))
     }
 
+    #[inline]
+    pub(super) fn nearest(&self, point: DVec3) -> ShapePoint {
+        self.along((point - self.centre).normalize())
+    }
+
+    /// The point in a direction, of length one, from the centre.
+    #[must_use]
+    #[inline]
+    pub fn along(&self, outward: DVec3) -> ShapePoint {
+        let position = self.centre + outward * self.radius;
+        ShapePoint { position, normal: if self.inward { -outward } else { outward } }
+    }
+
     /// Both roots of ‖o + t d − c‖ = r, in order, without cancellation; a root at the start is reported as zero.
     #[inline]
     fn roots(&self, ray: &Ray, starts_here: bool) -> Option<[f64; 2]> {
@@ -83,7 +100,7 @@ mod tests {
 
     #[test]
     fn a_ray_from_the_surface_meets_only_the_other_side() {
-        let s = SphereShape { centre: DVec3::new(1.0, 2.0, 3.0), radius: 0.5, shape: 0 };
+        let s = SphereShape { centre: DVec3::new(1.0, 2.0, 3.0), radius: 0.5, inward: false, shape: 0 };
         let start = s.centre + DVec3::X * 0.5;
         assert_eq!(s.intersect(&Ray::new(start, DVec3::X), true), None);
         assert_eq!(s.intersect(&Ray::new(start, -DVec3::X), true), Some(1.0));
@@ -93,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_segment_is_blocked_from_both_ends_alike() {
-        let s = SphereShape { centre: DVec3::ZERO, radius: 1.0, shape: 0 };
+        let s = SphereShape { centre: DVec3::ZERO, radius: 1.0, inward: false, shape: 0 };
         let forth = Ray::new(DVec3::new(-3.0, 0.0, 0.0), DVec3::X);
         assert!(!s.blocks(&forth, 2.0, false, true), "ends on the near side");
         assert!(s.blocks(&forth, 4.0, false, true), "ends on the far side");

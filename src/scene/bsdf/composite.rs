@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::perturbed::TurnedFrame;
-use super::{Bsdf, BsdfModel, BsdfSample, LobeDensity, MaterialError, Side};
+use super::{Bsdf, BsdfModel, BsdfSample, LobeDensity, MaterialError, Side, opposite};
 use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::scene::description::{BsdfDescription, NormalSource};
 use crate::scene::texture::{Parameter, SurfacePoint, Texture, clamped};
@@ -15,7 +15,7 @@ pub(crate) enum Composite {
     /// The same everywhere.
     Leaf(Bsdf),
     /// One whose parameters are textures.
-    Textured(BsdfDescription),
+    Textured(Box<TexturedLeaf>),
     /// Light goes straight through.
     Null,
     /// One model for each side; without a second, both are alike.
@@ -28,15 +28,20 @@ pub(crate) enum Composite {
     Perturbed { normal: NormalSource, nested: Box<Composite> },
 }
 
-/// Directions count as opposite below this squared distance: those of a walk are rounded along short edges.
-const OPPOSITE: f64 = 1e-12;
-
-fn opposite(a: DVec3, b: DVec3) -> bool {
-    (a + b).length_squared() < OPPOSITE
+fn goes_straight(bsdf: &Bsdf) -> bool {
+    bsdf.transmits() && bsdf.has_dirac() && !bsdf.bends()
 }
 
 fn turned_over(v: DVec3) -> DVec3 {
     DVec3::new(v.x, v.y, -v.z)
+}
+
+/// A single model whose parameters are textures.
+#[derive(Clone, Debug)]
+pub(crate) struct TexturedLeaf {
+    description: BsdfDescription,
+    /// One of the models that it can be: what does not depend on the point.
+    example: Bsdf,
 }
 
 impl Composite {
@@ -72,7 +77,11 @@ impl Composite {
             }
             leaf => {
                 let bsdf = Bsdf::new(leaf)?;
-                if leaf.textures().is_empty() { Self::Leaf(bsdf) } else { Self::Textured(leaf.clone()) }
+                if leaf.textures().is_empty() {
+                    Self::Leaf(bsdf)
+                } else {
+                    Self::Textured(Box::new(TexturedLeaf { description: leaf.clone(), example: bsdf }))
+                }
             }
         })
     }
@@ -130,15 +139,15 @@ impl Composite {
 
     /// Its Dirac lobes bend light.
     fn refracts(&self) -> bool {
-        self.any(&|bsdf| bsdf.transmits() && bsdf.has_dirac())
+        self.any(&Bsdf::bends)
     }
 
-    /// Some leaf has the property; a textured one has what its description says.
+    /// Some leaf has the property; a textured one has what its example has.
     fn any(&self, has: &dyn Fn(&Bsdf) -> bool) -> bool {
         match self {
             Self::Null => false,
             Self::Leaf(bsdf) => has(bsdf),
-            Self::Textured(description) => Bsdf::new(description).is_ok_and(|bsdf| has(&bsdf)),
+            Self::Textured(leaf) => has(&leaf.example),
             Self::TwoSided { front, back } => front.any(has) || back.as_ref().is_some_and(|back| back.any(has)),
             Self::Mask { nested, .. } | Self::Perturbed { nested, .. } => nested.any(has),
             Self::Blend { models, .. } => models.iter().any(|model| model.any(has)),
@@ -156,26 +165,31 @@ impl BsdfDescription {
     #[must_use]
     pub fn textures(&self) -> Vec<&Texture> {
         match self {
-            Self::Diffuse { reflectance } => reflectance.texture().into_iter().collect(),
-            Self::RoughConductor { alpha, .. } | Self::RoughDielectric { alpha, .. } => {
-                alpha.texture().into_iter().collect()
+            Self::Diffuse { reflectance } | Self::Conductor { reflectance, .. } => one(reflectance.texture()),
+            Self::RoughConductor { alpha, alpha_v, reflectance, .. } => {
+                several([alpha.texture(), of_v(alpha_v), reflectance.texture()])
             }
-            Self::Mask { opacity: share, .. } | Self::Blend { weight: share, .. } => {
-                share.texture().into_iter().collect()
+            Self::Dielectric { reflectance, transmittance, .. }
+            | Self::ThinDielectric { reflectance, transmittance, .. } => {
+                several([reflectance.texture(), transmittance.texture()])
             }
+            Self::RoughDielectric { alpha, alpha_v, reflectance, transmittance, .. } => {
+                several([alpha.texture(), of_v(alpha_v), reflectance.texture(), transmittance.texture()])
+            }
+            Self::Plastic { diffuse, specular, .. } | Self::RoughPlastic { diffuse, specular, .. } => {
+                several([diffuse.texture(), specular.texture()])
+            }
+            Self::Principled(parameters) => {
+                let numbers = parameters.numbers().into_iter().filter_map(|(_, number)| number.texture());
+                parameters.base_color.texture().into_iter().chain(numbers).collect()
+            }
+            Self::Mask { opacity: share, .. } | Self::Blend { weight: share, .. } => one(share.texture()),
             Self::Perturbed {
                 normal: NormalSource::Map { texture, .. } | NormalSource::Bump { texture, .. }, ..
             } => {
                 vec![texture]
             }
-            Self::Conductor { .. }
-            | Self::Dielectric { .. }
-            | Self::ThinDielectric { .. }
-            | Self::Plastic { .. }
-            | Self::RoughPlastic { .. }
-            | Self::Principled(_)
-            | Self::Null
-            | Self::TwoSided { .. } => Vec::new(),
+            Self::Null | Self::TwoSided { .. } => Vec::new(),
         }
     }
 
@@ -194,6 +208,18 @@ impl BsdfDescription {
             _ => Vec::new(),
         }
     }
+}
+
+fn one(texture: Option<&Texture>) -> Vec<&Texture> {
+    texture.into_iter().collect()
+}
+
+fn several<const N: usize>(textures: [Option<&Texture>; N]) -> Vec<&Texture> {
+    textures.into_iter().flatten().collect()
+}
+
+fn of_v(alpha_v: &Option<Parameter<f64>>) -> Option<&Texture> {
+    alpha_v.as_ref().and_then(Parameter::texture)
 }
 
 fn checked_share(parameter: &'static str, share: &Parameter<f64>) -> Result<Parameter<f64>, MaterialError> {
@@ -221,8 +247,8 @@ impl<'a> CompositeAt<'a> {
         clamped(share.at(&self.at), 0.0, 1.0)
     }
 
-    fn textured(&self, description: &BsdfDescription) -> Bsdf {
-        Bsdf::at(description, &self.at).expect("a textured leaf is no composite")
+    fn textured(&self, leaf: &TexturedLeaf) -> Bsdf {
+        Bsdf::at(&leaf.description, &self.at).expect("a textured leaf is no composite")
     }
 
     /// The model of the side that `v` is on, and whether that is the back.
@@ -243,7 +269,7 @@ impl BsdfModel for CompositeAt<'_> {
         match self.model {
             Composite::Null => Rgb::BLACK,
             Composite::Leaf(bsdf) => bsdf.eval(to_emitter, to_sensor),
-            Composite::Textured(description) => self.textured(description).eval(to_emitter, to_sensor),
+            Composite::Textured(leaf) => self.textured(leaf).eval(to_emitter, to_sensor),
             Composite::TwoSided { front, back } => match self.side(front, back, to_sensor) {
                 (model, true) => model.eval(turned_over(to_emitter), turned_over(to_sensor)),
                 (model, false) => model.eval(to_emitter, to_sensor),
@@ -268,7 +294,7 @@ impl BsdfModel for CompositeAt<'_> {
         match self.model {
             Composite::Null => Density::ZERO,
             Composite::Leaf(bsdf) => bsdf.density(from, to),
-            Composite::Textured(description) => self.textured(description).density(from, to),
+            Composite::Textured(leaf) => self.textured(leaf).density(from, to),
             Composite::TwoSided { front, back } => match self.side(front, back, from) {
                 (model, true) => model.density(turned_over(from), turned_over(to)),
                 (model, false) => model.density(from, to),
@@ -296,7 +322,7 @@ impl BsdfModel for CompositeAt<'_> {
                 }
             }
             Composite::Leaf(bsdf) => bsdf.eval_dirac(to_emitter, to_sensor),
-            Composite::Textured(description) => self.textured(description).eval_dirac(to_emitter, to_sensor),
+            Composite::Textured(leaf) => self.textured(leaf).eval_dirac(to_emitter, to_sensor),
             Composite::TwoSided { front, back } => match self.side(front, back, to_sensor) {
                 (model, true) => model.eval_dirac(turned_over(to_emitter), turned_over(to_sensor)),
                 (model, false) => model.eval_dirac(to_emitter, to_sensor),
@@ -328,7 +354,7 @@ impl BsdfModel for CompositeAt<'_> {
                 }
             }
             Composite::Leaf(bsdf) => bsdf.density_dirac(side, from, to),
-            Composite::Textured(description) => self.textured(description).density_dirac(side, from, to),
+            Composite::Textured(leaf) => self.textured(leaf).density_dirac(side, from, to),
             Composite::TwoSided { front, back } => match self.side(front, back, from) {
                 (model, true) => model.density_dirac(side, turned_over(from), turned_over(to)),
                 (model, false) => model.density_dirac(side, from, to),
@@ -357,7 +383,7 @@ impl BsdfModel for CompositeAt<'_> {
                 Some(BsdfSample { to: -from, density: LobeDensity::Dirac(Density::new(1.0)), value: Rgb::WHITE })
             }
             Composite::Leaf(bsdf) => bsdf.sample(side, from, u),
-            Composite::Textured(description) => self.textured(description).sample(side, from, u),
+            Composite::Textured(leaf) => self.textured(leaf).sample(side, from, u),
             Composite::TwoSided { front, back } => match self.side(front, back, from) {
                 (model, true) => {
                     let sample = model.sample(side, turned_over(from), u)?;
@@ -401,7 +427,7 @@ impl BsdfModel for CompositeAt<'_> {
         match self.model {
             Composite::Null | Composite::TwoSided { .. } => 1.0,
             Composite::Leaf(bsdf) => bsdf.radiance_scale(to_emitter, to_sensor),
-            Composite::Textured(description) => self.textured(description).radiance_scale(to_emitter, to_sensor),
+            Composite::Textured(leaf) => self.textured(leaf).radiance_scale(to_emitter, to_sensor),
             Composite::Mask { nested, .. } | Composite::Perturbed { nested, .. } => {
                 self.nested(nested).radiance_scale(to_emitter, to_sensor)
             }
@@ -448,6 +474,8 @@ impl CompositeAt<'_> {
     fn goes_straight(&self) -> bool {
         match self.model {
             Composite::Null | Composite::Mask { .. } => true,
+            Composite::Leaf(bsdf) => goes_straight(bsdf),
+            Composite::Textured(leaf) => goes_straight(&leaf.example),
             Composite::Blend { models, .. } => models.iter().any(|model| self.nested(model).goes_straight()),
             Composite::Perturbed { nested, .. } => self.nested(nested).goes_straight(),
             _ => false,

@@ -2,17 +2,19 @@
 
 use glam::DVec3;
 
-use super::microfacet::Ggx;
+use super::microfacet::Microfacets;
 use super::{BsdfModel, BsdfSample, LobeDensity, Side, fresnel};
 use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::scene::description::ConductorFresnel;
 use crate::spectrum::Rgb;
 
-/// A mirror: `f_s = F(cos θ) δ_σ⊥(to_emitter − reflected(to_sensor))` in front, nothing behind.
+/// A mirror: `f_s = r F(cos θ) δ_σ⊥(to_emitter − reflected(to_sensor))` in front, nothing behind.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Conductor {
     /// What reflects how much.
     pub fresnel: ConductorFresnel,
+    /// r, a factor of it, 0 … 1.
+    pub reflectance: Rgb,
 }
 
 impl BsdfModel for Conductor {
@@ -24,10 +26,10 @@ impl BsdfModel for Conductor {
         Density::ZERO
     }
 
-    /// F, from the mean of the two cosines, which differ by rounding only.
+    /// r F, from the mean of the two cosines, which differ by rounding only.
     fn eval_dirac(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
         if to_emitter.z > 0.0 && to_sensor.z > 0.0 {
-            fresnel::conductor(&self.fresnel, 0.5 * (to_emitter.z + to_sensor.z))
+            fresnel::conductor(&self.fresnel, 0.5 * (to_emitter.z + to_sensor.z)) * self.reflectance
         } else {
             Rgb::BLACK
         }
@@ -41,7 +43,7 @@ impl BsdfModel for Conductor {
         (from.z > 0.0).then(|| BsdfSample {
             to: DVec3::new(-from.x, -from.y, from.z),
             density: LobeDensity::Dirac(Density::new(1.0)),
-            value: fresnel::conductor(&self.fresnel, from.z),
+            value: fresnel::conductor(&self.fresnel, from.z) * self.reflectance,
         })
     }
 
@@ -50,17 +52,19 @@ impl BsdfModel for Conductor {
     }
 }
 
-/// Metal with GGX microfacets and single scattering, drawn by visible normals; nothing behind (Walter et al. 2007).
+/// Metal with microfacets and single scattering, drawn by visible normals; nothing behind (Walter et al. 2007).
 ///
-/// `f_s = F(i·h) D(h) G₁(i) G₁(o) / (4 cos θ_i cos θ_o)`. The half vector h of two rounded directions is off by about
+/// `f_s = r F(i·h) D(h) G₁(i) G₁(o) / (4 cos θ_i cos θ_o)`. The half vector h of two rounded directions is off by about
 /// 2⁻⁵³ / cos(i,h), so D has a relative error of about 1e-16 / (α cos(i,h)): it matters where α cos(i,h) < 1e-12. Samples
 /// are weighed by the directions they return, so value and density agree there too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RoughConductor {
     /// The microfacets.
-    pub distribution: Ggx,
+    pub distribution: Microfacets,
     /// What reflects how much.
     pub fresnel: ConductorFresnel,
+    /// r, a factor of it, 0 … 1.
+    pub reflectance: Rgb,
 }
 
 impl RoughConductor {
@@ -80,13 +84,13 @@ impl BsdfModel for RoughConductor {
     fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
         let Some((d, cos)) = self.half_vector(to_emitter, to_sensor) else { return Rgb::BLACK };
         let g = self.distribution.shadowing_over_cos(to_emitter) * self.distribution.shadowing_over_cos(to_sensor);
-        fresnel::conductor(&self.fresnel, cos) * (d * g)
+        fresnel::conductor(&self.fresnel, cos) * self.reflectance * (d * g)
     }
 
     /// `p_σ = D_v(h) / (4 i·h) = G₁(from) D(h) / (4 cos θ_from)` \[1/sr\].
     fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
         let Some((d, _)) = self.half_vector(from, to) else { return Density::ZERO };
-        Density::new(d * self.distribution.shadowing_over_cos(from))
+        Density::new(d * self.distribution.visibility_over_cos(from))
     }
 
     fn sample(&self, _side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
@@ -97,8 +101,12 @@ impl BsdfModel for RoughConductor {
         let to = m * (2.0 * from.dot(m)) - from;
         let (d, cos) = self.half_vector(from, to)?;
         let (g_from, g_to) = (self.distribution.shadowing_over_cos(from), self.distribution.shadowing_over_cos(to));
-        let density = d * g_from;
-        let value = fresnel::conductor(&self.fresnel, cos) * (d * (g_from * g_to));
+        let density = d * self.distribution.visibility_over_cos(from);
+        let value = fresnel::conductor(&self.fresnel, cos) * self.reflectance * (d * (g_from * g_to));
         (density > 0.0).then_some(BsdfSample { to, density: LobeDensity::Finite(Density::new(density)), value })
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.distribution.is_anisotropic()
     }
 }

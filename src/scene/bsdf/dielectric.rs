@@ -7,11 +7,34 @@ use super::{BsdfModel, BsdfSample, LobeDensity, Side};
 use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::spectrum::Rgb;
 
-/// A smooth interface of dielectrics: `f_s = F δ_σ⊥(reflected) + (1 − F) (η_o/η_i)² δ_σ⊥(refracted)`, drawn by F.
+/// A smooth interface of dielectrics: `f_s = r F δ_σ⊥(reflected) + t (1 − F) (η_o/η_i)² δ_σ⊥(refracted)`, drawn by F.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
     /// The two indices of refraction.
     pub interface: Interface,
+    /// The factors r and t, 0 … 1.
+    pub tints: Tints,
+}
+
+/// Factors of what an interface reflects and transmits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tints {
+    /// Of what stays on its side.
+    pub reflectance: Rgb,
+    /// Of what changes it.
+    pub transmittance: Rgb,
+}
+
+impl Tints {
+    /// None.
+    pub const WHITE: Self = Self { reflectance: Rgb::WHITE, transmittance: Rgb::WHITE };
+
+    /// The factor for a pair of directions.
+    #[must_use]
+    #[inline]
+    pub fn of(&self, a: DVec3, b: DVec3) -> Rgb {
+        if a.z * b.z > 0.0 { self.reflectance } else { self.transmittance }
+    }
 }
 
 impl Dielectric {
@@ -49,7 +72,7 @@ impl BsdfModel for Dielectric {
 
     fn eval_dirac(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
         let (share, scale) = self.lobe(to_emitter, to_sensor);
-        Rgb::grey(share * scale)
+        self.tints.of(to_emitter, to_sensor) * (share * scale)
     }
 
     fn density_dirac(&self, side: Side, from: DVec3, to: DVec3) -> Density<ProjectedSolidAngle> {
@@ -74,7 +97,7 @@ impl BsdfModel for Dielectric {
         let (to_emitter, to_sensor) = side.by_role(from, to);
         let (share, scale) = self.lobe(to_emitter, to_sensor);
         let density = Self::density_of(side, share, scale);
-        let value = Rgb::grey(share * scale);
+        let value = self.tints.of(from, to) * (share * scale);
         (share > 0.0).then_some(BsdfSample { to, density: LobeDensity::Dirac(density), value })
     }
 

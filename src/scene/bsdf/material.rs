@@ -3,8 +3,10 @@
 use thiserror::Error;
 
 use super::fresnel::Interface;
-use super::{Bsdf, Conductor, Dielectric, Diffuse, Ggx, RoughConductor, RoughDielectric};
-use crate::scene::description::{BsdfDescription, ConductorFresnel};
+use super::{
+    Bsdf, Conductor, Dielectric, Diffuse, Microfacets, RoughConductor, RoughDielectric, ThinDielectric, Tints,
+};
+use crate::scene::description::{BsdfDescription, ConductorFresnel, MicrofacetKind};
 use crate::scene::texture::{Parameter, SurfacePoint, clamped};
 use crate::spectrum::Rgb;
 
@@ -34,9 +36,11 @@ pub enum MaterialError {
         /// What it may be.
         range: &'static str,
     },
-    /// A roughness that GGX cannot have.
-    #[error("alpha = {value} is outside {ALPHA_RANGE}: use `{smooth}` for {substance}")]
+    /// A roughness that no microfacets can have.
+    #[error("{parameter} = {value} is outside {ALPHA_RANGE}: use `{smooth}` for {substance}")]
     Smooth {
+        /// Name of the parameter as in [`BsdfDescription`].
+        parameter: &'static str,
         /// What it is.
         value: f64,
         /// The model without roughness.
@@ -61,10 +65,30 @@ const NARROWEST_REFRACTION: f64 = 1e-12;
 /// Where a model's parameters come from: a file, which may be wrong, or the textures at a point, which are clamped.
 trait Source {
     fn share(&mut self, parameter: &'static str, of: &Parameter<Rgb>) -> Rgb;
-    fn alpha(&mut self, of: &Parameter<f64>, smooth: &'static str, substance: &'static str) -> f64;
+    fn alpha(&mut self, parameter: &'static str, of: &Parameter<f64>, smooth: Smooth) -> f64;
     fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface;
     fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel;
+
+    fn tints(&mut self, reflectance: &Parameter<Rgb>, transmittance: &Parameter<Rgb>) -> Tints {
+        Tints {
+            reflectance: self.share("reflectance", reflectance),
+            transmittance: self.share("transmittance", transmittance),
+        }
+    }
+
+    /// α along u and v.
+    fn alphas(&mut self, alpha: &Parameter<f64>, alpha_v: &Option<Parameter<f64>>, smooth: Smooth) -> [f64; 2] {
+        let along_u = self.alpha("alpha", alpha, smooth);
+        [along_u, alpha_v.as_ref().map_or(along_u, |alpha_v| self.alpha("alpha_v", alpha_v, smooth))]
+    }
 }
+
+/// The model without roughness, and what it is a model of.
+#[derive(Clone, Copy)]
+struct Smooth(&'static str, &'static str);
+
+const SMOOTH_METAL: Smooth = Smooth("conductor", "a smooth metal");
+const SMOOTH_GLASS: Smooth = Smooth("dielectric", "smooth glass");
 
 /// Constants as they stand; textures count as their middle. Remembers the first fault.
 struct Checked {
@@ -86,8 +110,8 @@ impl Source for Checked {
         self.take(share(parameter, value), Rgb::BLACK)
     }
 
-    fn alpha(&mut self, of: &Parameter<f64>, smooth: &'static str, substance: &'static str) -> f64 {
-        self.take(alpha(of.constant().copied().unwrap_or(0.5), smooth, substance), 1.0)
+    fn alpha(&mut self, parameter: &'static str, of: &Parameter<f64>, smooth: Smooth) -> f64 {
+        self.take(alpha(parameter, of.constant().copied().unwrap_or(0.5), smooth), 1.0)
     }
 
     fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface {
@@ -104,7 +128,7 @@ impl Source for &SurfacePoint<'_> {
         of.at(self).map(|x| clamped(x, 0.0, 1.0))
     }
 
-    fn alpha(&mut self, of: &Parameter<f64>, _: &'static str, _: &'static str) -> f64 {
+    fn alpha(&mut self, _: &'static str, of: &Parameter<f64>, _: Smooth) -> f64 {
         clamped(of.at(self), SMALLEST_TEXTURED_ALPHA, 10.0)
     }
 
@@ -147,27 +171,43 @@ impl Bsdf {
             BsdfDescription::Diffuse { reflectance } => {
                 Self::Diffuse(Diffuse { reflectance: source.share("reflectance", reflectance) })
             }
-            BsdfDescription::Conductor { fresnel, .. } => {
-                Self::Conductor(Conductor { fresnel: source.fresnel(fresnel) })
-            }
-            BsdfDescription::RoughConductor { alpha, fresnel, .. } => Self::RoughConductor(RoughConductor {
-                distribution: Ggx::new(source.alpha(alpha, "conductor", "a smooth metal")),
+            BsdfDescription::Conductor { fresnel, reflectance } => Self::Conductor(Conductor {
                 fresnel: source.fresnel(fresnel),
+                reflectance: source.share("reflectance", reflectance),
             }),
-            BsdfDescription::Dielectric { interior_ior, exterior_ior, .. } => {
-                Self::Dielectric(Dielectric { interface: source.interface(*interior_ior, *exterior_ior) })
+            BsdfDescription::RoughConductor { distribution, alpha, alpha_v, fresnel, reflectance } => {
+                Self::RoughConductor(RoughConductor {
+                    distribution: Microfacets::new(*distribution, source.alphas(alpha, alpha_v, SMOOTH_METAL)),
+                    fresnel: source.fresnel(fresnel),
+                    reflectance: source.share("reflectance", reflectance),
+                })
             }
-            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior, .. } => {
-                let alpha = source.alpha(alpha, "dielectric", "smooth glass");
+            BsdfDescription::Dielectric { interior_ior, exterior_ior, reflectance, transmittance } => {
+                Self::Dielectric(Dielectric {
+                    interface: source.interface(*interior_ior, *exterior_ior),
+                    tints: source.tints(reflectance, transmittance),
+                })
+            }
+            BsdfDescription::ThinDielectric { interior_ior, exterior_ior, reflectance, transmittance } => {
+                Self::ThinDielectric(ThinDielectric {
+                    interface: source.interface(*interior_ior, *exterior_ior),
+                    tints: source.tints(reflectance, transmittance),
+                })
+            }
+            BsdfDescription::RoughDielectric {
+                distribution,
+                alpha,
+                alpha_v,
+                interior_ior,
+                exterior_ior,
+                reflectance,
+                transmittance,
+            } => {
+                let alphas = source.alphas(alpha, alpha_v, SMOOTH_GLASS);
                 let interface = source.interface(*interior_ior, *exterior_ior);
-                if alpha * interface.contrast().abs() < NARROWEST_REFRACTION {
-                    Self::Dielectric(Dielectric { interface })
-                } else {
-                    Self::RoughDielectric(RoughDielectric { distribution: Ggx::new(alpha), interface })
-                }
+                rough_dielectric(*distribution, alphas, interface, source.tints(reflectance, transmittance))
             }
-            BsdfDescription::ThinDielectric { .. }
-            | BsdfDescription::Plastic { .. }
+            BsdfDescription::Plastic { .. }
             | BsdfDescription::RoughPlastic { .. }
             | BsdfDescription::Principled(_)
             | BsdfDescription::Null
@@ -179,13 +219,22 @@ impl Bsdf {
     }
 }
 
-fn alpha(alpha: f64, smooth: &'static str, substance: &'static str) -> Result<f64, MaterialError> {
-    if (1e-8..=10.0).contains(&alpha) {
-        Ok(alpha)
-    } else if (0.0..1e-8).contains(&alpha) {
-        Err(MaterialError::Smooth { value: alpha, smooth, substance })
+fn rough_dielectric(kind: MicrofacetKind, alphas: [f64; 2], interface: Interface, tints: Tints) -> Bsdf {
+    let narrowest = alphas[0].min(alphas[1]);
+    if narrowest * interface.contrast().abs() < NARROWEST_REFRACTION {
+        Bsdf::Dielectric(Dielectric { interface, tints })
     } else {
-        Err(MaterialError::Number { parameter: "alpha", value: alpha, range: ALPHA_RANGE })
+        Bsdf::RoughDielectric(RoughDielectric { distribution: Microfacets::new(kind, alphas), interface, tints })
+    }
+}
+
+fn alpha(parameter: &'static str, value: f64, Smooth(smooth, substance): Smooth) -> Result<f64, MaterialError> {
+    if (1e-8..=10.0).contains(&value) {
+        Ok(value)
+    } else if (0.0..1e-8).contains(&value) {
+        Err(MaterialError::Smooth { parameter, value, smooth, substance })
+    } else {
+        Err(MaterialError::Number { parameter, value, range: ALPHA_RANGE })
     }
 }
 

@@ -15,6 +15,7 @@ mod perturbed;
 mod rough_dielectric;
 #[cfg(test)]
 mod tests;
+mod thin_dielectric;
 
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -26,11 +27,12 @@ use crate::spectrum::Rgb;
 
 pub(crate) use composite::{Composite, CompositeAt};
 pub use conductor::{Conductor, RoughConductor};
-pub use dielectric::Dielectric;
+pub use dielectric::{Dielectric, Tints};
 pub use diffuse::Diffuse;
 pub use material::MaterialError;
-pub use microfacet::Ggx;
+pub use microfacet::{Beckmann, Ggx, Microfacets};
 pub use rough_dielectric::RoughDielectric;
+pub use thin_dielectric::ThinDielectric;
 
 /// The end of the path from which a walk started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,6 +129,19 @@ pub trait BsdfModel: Debug + Send + Sync {
     fn transmits(&self) -> bool {
         false
     }
+
+    /// It has a Dirac lobe through the surface that bends light. One that does not must join opposite directions only.
+    fn bends(&self) -> bool {
+        self.transmits() && self.has_dirac()
+    }
+}
+
+/// Directions count as opposite below this squared distance: those of a walk are rounded along short edges.
+const OPPOSITE: f64 = 1e-12;
+
+/// Light goes straight from one of these directions to the other.
+fn opposite(a: DVec3, b: DVec3) -> bool {
+    (a + b).length_squared() < OPPOSITE
 }
 
 /// A model of scattering: the built-in ones without indirection, research models through [`BsdfModel`].
@@ -136,11 +151,13 @@ pub enum Bsdf {
     Diffuse(Diffuse),
     /// Smooth metal or mirror.
     Conductor(Conductor),
-    /// Metal with GGX microfacets.
+    /// Metal with microfacets.
     RoughConductor(RoughConductor),
     /// Smooth glass.
     Dielectric(Dielectric),
-    /// Glass with GGX microfacets.
+    /// A thin pane of smooth glass.
+    ThinDielectric(ThinDielectric),
+    /// Glass with microfacets.
     RoughDielectric(RoughDielectric),
     /// A research model from outside.
     Custom(Arc<dyn BsdfModel>),
@@ -153,6 +170,7 @@ macro_rules! dispatch {
             Bsdf::Conductor($model) => $answer,
             Bsdf::RoughConductor($model) => $answer,
             Bsdf::Dielectric($model) => $answer,
+            Bsdf::ThinDielectric($model) => $answer,
             Bsdf::RoughDielectric($model) => $answer,
             Bsdf::Custom($model) => $answer,
         }
@@ -169,6 +187,7 @@ impl Bsdf {
             Self::Conductor(model) => model,
             Self::RoughConductor(model) => model,
             Self::Dielectric(model) => model,
+            Self::ThinDielectric(model) => model,
             Self::RoughDielectric(model) => model,
         }
     }
@@ -266,5 +285,11 @@ impl Bsdf {
     #[inline]
     pub fn transmits(&self) -> bool {
         dispatch!(self, model => model.transmits())
+    }
+
+    /// See [`BsdfModel::bends`].
+    #[must_use]
+    pub fn bends(&self) -> bool {
+        dispatch!(self, model => model.bends())
     }
 }

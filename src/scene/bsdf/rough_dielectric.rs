@@ -2,17 +2,18 @@
 
 use glam::DVec3;
 
+use super::dielectric::Tints;
 use super::fresnel::Interface;
-use super::microfacet::Ggx;
+use super::microfacet::Microfacets;
 use super::{BsdfModel, BsdfSample, LobeDensity, Side};
 use crate::measure::{Density, SolidAngle};
 use crate::spectrum::Rgb;
 
-/// An interface of dielectrics with GGX microfacets and single scattering (Walter et al. 2007), drawn by visible normals
+/// An interface of dielectrics with microfacets and single scattering (Walter et al. 2007), drawn by visible normals
 /// and then by F of the drawn one.
 ///
-/// Reflection: `f_s = F(i·h) D(h) G₁(i) G₁(o) / (4 |cos θ_i cos θ_o|)`. Refraction:
-/// `f_s = η_o² |i·h| |o·h| (1 − F) D(h) G₁(i) G₁(o) / (|cos θ_i cos θ_o| ‖η_i i + η_o o‖²)`, h along `η_i i + η_o o`.
+/// Reflection: `f_s = r F(i·h) D(h) G₁(i) G₁(o) / (4 |cos θ_i cos θ_o|)`. Refraction:
+/// `f_s = t η_o² |i·h| |o·h| (1 − F) D(h) G₁(i) G₁(o) / (|cos θ_i cos θ_o| ‖η_i i + η_o o‖²)`, h along `η_i i + η_o o`.
 ///
 /// Rounded directions put a relative error of about 1e-16 / (α cos(i,h)) into D of a reflection and of about
 /// 1e-16 / (α |η − 1|) into that of a refraction. Samples are weighed by the directions they return, so value and density
@@ -21,9 +22,11 @@ use crate::spectrum::Rgb;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     /// The microfacets.
-    pub distribution: Ggx,
+    pub distribution: Microfacets,
     /// The two indices of refraction.
     pub interface: Interface,
+    /// The factors r and t, 0 … 1.
+    pub tints: Tints,
 }
 
 impl RoughDielectric {
@@ -76,13 +79,14 @@ impl RoughDielectric {
 impl BsdfModel for RoughDielectric {
     fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
         let g = self.distribution.shadowing_over_cos(to_emitter) * self.distribution.shadowing_over_cos(to_sensor);
-        Rgb::grey(self.core(to_emitter, to_sensor) * self.index_squared(to_sensor, to_emitter) * g)
+        self.tints.of(to_emitter, to_sensor)
+            * (self.core(to_emitter, to_sensor) * self.index_squared(to_sensor, to_emitter) * g)
     }
 
     /// `p_σ = P D_v(h) dσ_h/dσ_to`, with P = F and `dσ_h/dσ_to = 1 / (4 |to·h|)` for reflection, P = 1 − F and
     /// `η_to² |to·h| / ‖η_i i + η_o o‖²` for refraction \[1/sr\].
     fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
-        let scale = self.index_squared(to, from) * self.distribution.shadowing_over_cos(from);
+        let scale = self.index_squared(to, from) * self.distribution.visibility_over_cos(from);
         Density::new(self.core(from, to) * scale)
     }
 
@@ -101,9 +105,9 @@ impl BsdfModel for RoughDielectric {
         }
         let core = self.core(from, to);
         let (g_from, g_to) = (self.distribution.shadowing_over_cos(from), self.distribution.shadowing_over_cos(to));
-        let density = core * (self.index_squared(to, from) * g_from);
+        let density = core * (self.index_squared(to, from) * self.distribution.visibility_over_cos(from));
         let (to_emitter, to_sensor) = side.by_role(from, to);
-        let value = Rgb::grey(core * self.index_squared(to_sensor, to_emitter) * (g_from * g_to));
+        let value = self.tints.of(from, to) * (core * self.index_squared(to_sensor, to_emitter) * (g_from * g_to));
         (density > 0.0).then_some(BsdfSample { to, density: LobeDensity::Finite(Density::new(density)), value })
     }
 
@@ -113,5 +117,9 @@ impl BsdfModel for RoughDielectric {
 
     fn transmits(&self) -> bool {
         true
+    }
+
+    fn is_anisotropic(&self) -> bool {
+        self.distribution.is_anisotropic()
     }
 }

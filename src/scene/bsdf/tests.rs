@@ -13,7 +13,8 @@ use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Bsdf, BsdfSample, LobeDensity, Side};
-use crate::scene::description::{BsdfDescription, ConductorFresnel};
+use crate::scene::description::{BsdfDescription, ConductorFresnel, MicrofacetKind};
+use crate::scene::texture::Parameter;
 use crate::spectrum::Rgb;
 
 const SIDES: [Side; 2] = [Side::Sensor, Side::Emitter];
@@ -49,6 +50,62 @@ fn glass(interior_ior: f64) -> Bsdf {
 
 fn rough_glass(alpha: f64, interior_ior: f64) -> Bsdf {
     Bsdf::new(&BsdfDescription::rough_dielectric(alpha, interior_ior, 1.0)).unwrap()
+}
+
+/// Metal of other microfacets than isotropic GGX, which reflects a part of what it would.
+fn tinted_metal(distribution: MicrofacetKind, [alpha, alpha_v]: [f64; 2]) -> Bsdf {
+    Bsdf::new(&BsdfDescription::RoughConductor {
+        distribution,
+        alpha: alpha.into(),
+        alpha_v: Some(alpha_v.into()),
+        fresnel: gold(),
+        reflectance: Rgb::new(0.9, 0.5, 0.0).into(),
+    })
+    .unwrap()
+}
+
+fn reflects() -> Parameter<Rgb> {
+    Rgb::new(0.8, 0.5, 1.0).into()
+}
+
+fn passes() -> Parameter<Rgb> {
+    Rgb::new(0.6, 1.0, 0.2).into()
+}
+
+/// The same of glass.
+fn tinted_glass(distribution: MicrofacetKind, [alpha, alpha_v]: [f64; 2], interior_ior: f64) -> Bsdf {
+    Bsdf::new(&BsdfDescription::RoughDielectric {
+        distribution,
+        alpha: alpha.into(),
+        alpha_v: Some(alpha_v.into()),
+        interior_ior,
+        exterior_ior: 1.0,
+        reflectance: reflects(),
+        transmittance: passes(),
+    })
+    .unwrap()
+}
+
+fn tinted_smooth_glass(interior_ior: f64) -> Bsdf {
+    let (reflectance, transmittance) = (reflects(), passes());
+    Bsdf::new(&BsdfDescription::Dielectric { interior_ior, exterior_ior: 1.0, reflectance, transmittance }).unwrap()
+}
+
+fn pane(interior_ior: f64) -> Bsdf {
+    let (reflectance, transmittance) = (reflects(), passes());
+    Bsdf::new(&BsdfDescription::ThinDielectric { interior_ior, exterior_ior: 1.0, reflectance, transmittance }).unwrap()
+}
+
+/// Models beside the plain ones, the wide lobes of which are no narrower than 0.1.
+fn others() -> Vec<Bsdf> {
+    use MicrofacetKind::{Beckmann, Ggx};
+    let mut all = vec![tinted_smooth_glass(1.5), pane(1.5), pane(0.7)];
+    for kind in [Ggx, Beckmann] {
+        all.extend([[0.1, 0.4], [0.7, 0.2], [0.5, 0.5]].map(|alphas| tinted_metal(kind, alphas)));
+        all.extend([[0.15, 0.6], [0.8, 0.8]].map(|alphas| tinted_glass(kind, alphas, 1.5)));
+        all.push(tinted_glass(kind, [0.5, 0.2], 0.7));
+    }
+    all
 }
 
 /// The unit vector with this cosine and azimuth.

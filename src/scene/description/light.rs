@@ -56,8 +56,8 @@ pub enum LightKind {
         up: DVec3,
         /// Full horizontal field of view \[rad\].
         horizontal_fov: f64,
-        /// The image: intensity on the axis's plane at distance one, `I(ω) = scale · image / cos³θ` of the pixel where ω
-        /// meets that plane \[W/sr\].
+        /// The image: on a white diffuse screen across the axis at distance one, the radiance `scale · image`, so the intensity
+        /// `I(ω) = π · scale · image / cos³θ` \[W/sr\] where ω meets that screen within the image. As Mitsuba 3 has it.
         image: Arc<Bitmap>,
         /// Factor of the image.
         scale: Rgb,
@@ -71,7 +71,10 @@ pub enum EnvironmentDescription {
     Constant(Rgb),
     /// An image over all directions, by longitude and latitude.
     Map {
-        /// The image; its first row is the pole +y of `to_world`, the middle of a row is where −z points.
+        /// The image, as Mitsuba 3 takes it. Its first row is the pole +y of `to_world`, its last −y. Along a row it shows −z at
+        /// the left edge, then +x, +z in the middle, −x, and −z again. Colours are interpolated between the centres of
+        /// columns and between rows, of which the first and the last lie on the poles; the bitmap's own filter and wrap are
+        /// not asked.
         bitmap: Arc<Bitmap>,
         /// Factor.
         scale: f64,

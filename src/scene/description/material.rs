@@ -273,6 +273,25 @@ pub struct PrincipledDescription {
     pub clearcoat_gloss: Parameter<f64>,
 }
 
+impl PrincipledDescription {
+    /// The parameters that are numbers and may be textures, by the names of Mitsuba.
+    #[must_use]
+    pub fn numbers(&self) -> [(&'static str, &Parameter<f64>); 10] {
+        [
+            ("roughness", &self.roughness),
+            ("anisotropic", &self.anisotropic),
+            ("metallic", &self.metallic),
+            ("spec_trans", &self.spec_trans),
+            ("spec_tint", &self.spec_tint),
+            ("sheen", &self.sheen),
+            ("sheen_tint", &self.sheen_tint),
+            ("flatness", &self.flatness),
+            ("clearcoat", &self.clearcoat),
+            ("clearcoat_gloss", &self.clearcoat_gloss),
+        ]
+    }
+}
+
 impl Default for PrincipledDescription {
     /// Mitsuba's defaults.
     fn default() -> Self {

@@ -34,6 +34,13 @@ pub struct SensorDescription {
 impl SensorDescription {
     /// The window that is the whole image.
     pub const WHOLE: [DVec2; 2] = [DVec2::ZERO, DVec2::ONE];
+
+    /// Width over height of the whole image where the film covers the window with square pixels.
+    #[must_use]
+    pub fn film_aspect(&self, film: FilmSize) -> f64 {
+        let covered = self.window[1] - self.window[0];
+        f64::from(film.width) / f64::from(film.height) * (covered.y / covered.x)
+    }
 }
 
 /// How a camera maps the world to its image.

@@ -1,6 +1,6 @@
 //! Surfaces as geometry: what is where.
 
-use glam::{DMat3, DVec3, Vec2};
+use glam::{DAffine3, DMat3, DVec3, Vec2};
 
 /// A triangle mesh in world coordinates.
 #[derive(Clone, Debug, Default)]
@@ -63,7 +63,8 @@ pub struct Sphere {
     pub centre: DVec3,
     /// Radius \[m\], positive.
     pub radius: f64,
-    /// Unit vectors at right angles: its pole is the third, its meridian u = 0 goes through the first.
+    /// Unit vectors at right angles, mirrored or not: v is the angle from the third over π, u the angle from the first, on
+    /// the side of the second, over 2π.
     pub axes: DMat3,
     /// Its front is the inside.
     pub inward: bool,
@@ -77,6 +78,15 @@ impl Sphere {
     pub fn new(name: impl Into<String>, centre: DVec3, radius: f64, material: usize) -> Self {
         Self { name: name.into(), centre, radius, axes: DMat3::IDENTITY, inward: false, material }
     }
+
+    /// The unit sphere under a similarity. A mirrored one faces inwards, or with `flip_normals` outwards, as in Mitsuba 3.
+    #[must_use]
+    pub fn transformed(name: impl Into<String>, to_world: &DAffine3, flip_normals: bool, material: usize) -> Self {
+        let radius = to_world.matrix3.x_axis.length();
+        let axes = to_world.matrix3 * radius.recip();
+        let inward = flip_normals != (to_world.matrix3.determinant() < 0.0);
+        Self { name: name.into(), centre: to_world.translation, radius, axes, inward, material }
+    }
 }
 
 /// An analytic disk, or an ellipse: all `centre + x axes[0] + y axes[1]` with `x² + y² ≤ 1`.
@@ -87,10 +97,22 @@ pub struct Disk {
     /// Centre \[m\].
     pub centre: DVec3,
     /// Where (1, 0) and (0, 1) are, relative to the centre \[m\]; its front is where their cross product points. As texture
-    /// coordinates, u is the distance √(x² + y²) and v the angle from the first over 2π.
+    /// coordinates, u is the distance √(x² + y²) and v the angle from the first, on the side of the second, over 2π.
     pub axes: [DVec3; 2],
+    /// Its front is the other side.
+    pub flipped: bool,
     /// Index into [`SceneDescription::materials`](super::SceneDescription::materials).
     pub material: usize,
+}
+
+impl Disk {
+    /// The unit disk in the plane z = 0, which faces +z, under an affine map; its normal is turned as one.
+    #[must_use]
+    pub fn transformed(name: impl Into<String>, to_world: &DAffine3, flip_normals: bool, material: usize) -> Self {
+        let axes = [to_world.matrix3.x_axis, to_world.matrix3.y_axis];
+        let flipped = flip_normals != (to_world.matrix3.determinant() < 0.0);
+        Self { name: name.into(), centre: to_world.translation, axes, flipped, material }
+    }
 }
 
 /// An analytic cylinder without its ends.
@@ -107,8 +129,30 @@ pub struct Cylinder {
     /// Unit vector at right angles to the axis, along which u = 0; u is the angle from there over 2π, counter-clockwise
     /// around the axis.
     pub meridian: DVec3,
+    /// u grows the other way, as it does on a mirrored cylinder.
+    pub clockwise: bool,
     /// Its front is the inside.
     pub inward: bool,
     /// Index into [`SceneDescription::materials`](super::SceneDescription::materials).
     pub material: usize,
+}
+
+impl Cylinder {
+    /// The cylinder of radius one around z from 0 to 1, which faces outwards, under a map that leaves it a cylinder. Mirrored or
+    /// not, it faces inwards with `flip_normals` only, as in Mitsuba 3.
+    #[must_use]
+    pub fn transformed(name: impl Into<String>, to_world: &DAffine3, flip_normals: bool, material: usize) -> Self {
+        let DMat3 { x_axis, z_axis: axis, .. } = to_world.matrix3;
+        let radius = x_axis.length();
+        Self {
+            name: name.into(),
+            base: to_world.translation,
+            axis,
+            radius,
+            meridian: x_axis / radius,
+            clockwise: to_world.matrix3.determinant() < 0.0,
+            inward: flip_normals,
+            material,
+        }
+    }
 }

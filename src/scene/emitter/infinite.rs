@@ -101,12 +101,12 @@ impl Directional {
 }
 
 /// `1 / (π R²)`: uniform on the disk that the sphere casts.
-fn disk_density(radius: f64) -> Density<crate::measure::Area> {
+pub(super) fn disk_density(radius: f64) -> Density<crate::measure::Area> {
     Density::new(1.0 / (PI * radius * radius))
 }
 
 /// Where a line with this direction, drawn uniformly among those that meet the sphere, enters it.
-fn entry(id: EmitterId, direction: DVec3, radius: f64, u: [f64; 2]) -> Vertex {
+pub(super) fn entry(id: EmitterId, direction: DVec3, radius: f64, u: [f64; 2]) -> Vertex {
     let frame = Frame::around(direction);
     let DVec2 { x, y } = warp::concentric_disk(u);
     let height = (1.0 - x * x - y * y).max(0.0).sqrt();
@@ -120,7 +120,7 @@ pub(crate) fn infinite_vertex(id: EmitterId, position: DVec3, radius: f64) -> Ve
 }
 
 /// Where a ray from inside the sphere around the centre leaves it.
-fn leave_sphere(origin: DVec3, direction: DVec3, radius: f64) -> DVec3 {
+pub(super) fn leave_sphere(origin: DVec3, direction: DVec3, radius: f64) -> DVec3 {
     let b = origin.dot(direction);
     let nearest = origin - direction * b;
     let t = (radius * radius - nearest.length_squared()).max(0.0).sqrt() - b;

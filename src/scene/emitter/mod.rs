@@ -5,9 +5,12 @@
 //! Lights that are concentrated in a point or a direction answer with the coefficients of their Dirac distribution,
 //! emission and densities alike, so that their ratios are right.
 
+mod environment_map;
 mod infinite;
+mod projector;
 mod punctual;
 mod surface;
+mod texels;
 
 use glam::DVec3;
 
@@ -15,12 +18,16 @@ use crate::measure::{Area, Density, SolidAngle};
 use crate::path::{Edge, Vertex, VertexKind};
 use crate::spectrum::Rgb;
 
+use super::Scene;
 use super::accel::Accel;
+use super::texture::Parameter;
 
+pub use environment_map::EnvironmentMap;
 pub(crate) use infinite::infinite_vertex;
 pub use infinite::{Directional, Environment};
+pub use projector::Projector;
 pub use punctual::{Point, Spot};
-pub use surface::{MeshEmitter, SphereEmitter};
+pub use surface::{MeshEmitter, ShapeEmitter};
 
 /// Index of an emitter of the scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -31,16 +38,20 @@ pub struct EmitterId(pub u32);
 pub enum Emitter {
     /// The front of a triangle mesh.
     Mesh(MeshEmitter),
-    /// The outside of a sphere.
-    Sphere(SphereEmitter),
+    /// The front of an analytic shape.
+    Shape(ShapeEmitter),
     /// A point light.
     Point(Point),
     /// A spot light.
     Spot(Spot),
+    /// A light that shines an image.
+    Projector(Box<Projector>),
     /// A directional light.
     Directional(Directional),
     /// The constant environment.
     Environment(Environment),
+    /// The environment by an image.
+    EnvironmentMap(Box<EnvironmentMap>),
 }
 
 /// The first edge of a walk from an emitter.
@@ -76,15 +87,23 @@ impl Emitter {
     /// `direction` leads from x_0 to x_1.
     #[must_use]
     #[inline(always)]
-    pub fn emission(&self, x0: &Vertex, direction: DVec3) -> Rgb {
+    pub fn emission(&self, scene: &Scene, x0: &Vertex, direction: DVec3) -> Rgb {
         match self {
-            Self::Mesh(MeshEmitter { radiance, .. }) | Self::Sphere(SphereEmitter { radiance, .. }) => {
-                if x0.normal.dot(direction) > 0.0 { *radiance } else { Rgb::BLACK }
+            Self::Mesh(MeshEmitter { radiance, .. }) | Self::Shape(ShapeEmitter { radiance, .. }) => {
+                if x0.normal.dot(direction) <= 0.0 {
+                    return Rgb::BLACK;
+                }
+                match radiance {
+                    Parameter::Constant(radiance) => *radiance,
+                    Parameter::Texture(texture) => scene.textured_emission(texture, x0),
+                }
             }
             Self::Point(light) => light.intensity,
             Self::Spot(light) => light.intensity(direction),
             Self::Directional(light) => light.irradiance,
             Self::Environment(light) => light.radiance,
+            Self::Projector(light) => light.intensity(direction),
+            Self::EnvironmentMap(light) => light.radiance(direction),
         }
     }
 
@@ -94,11 +113,13 @@ impl Emitter {
     pub fn sample_emission(&self, accel: &Accel, u: [f64; 5]) -> EmissionSample {
         match self {
             Self::Mesh(light) => light.sample_emission(accel, u),
-            Self::Sphere(light) => light.sample_emission(accel, u),
+            Self::Shape(light) => light.sample_emission(accel, u),
             Self::Point(light) => light.sample_emission(u),
             Self::Spot(light) => light.sample_emission(u),
             Self::Directional(light) => light.sample_emission(u),
             Self::Environment(light) => light.sample_emission(u),
+            Self::Projector(light) => light.sample_emission(u),
+            Self::EnvironmentMap(light) => light.sample_emission(u),
         }
     }
 
@@ -107,13 +128,15 @@ impl Emitter {
     #[inline(always)]
     pub fn emission_density(&self, x0: &Vertex, direction: DVec3) -> EdgeDensity {
         match self {
-            Self::Mesh(MeshEmitter { area, .. }) | Self::Sphere(SphereEmitter { area, .. }) => {
+            Self::Mesh(MeshEmitter { area, .. }) | Self::Shape(ShapeEmitter { area, .. }) => {
                 surface::emission_density(*area, x0, direction)
             }
             Self::Point(_) => Point::emission_density(),
             Self::Spot(light) => light.emission_density(direction),
             Self::Directional(light) => light.emission_density(x0, direction),
             Self::Environment(light) => light.emission_density(x0, direction),
+            Self::Projector(light) => light.emission_density(direction),
+            Self::EnvironmentMap(light) => light.emission_density(x0, direction),
         }
     }
 
@@ -132,11 +155,13 @@ impl Emitter {
     fn sample_direct_otherwise(&self, accel: &Accel, x1: DVec3, u: [f64; 3]) -> Option<DirectSample> {
         match self {
             Self::Mesh(light) => Some(light.sample_direct(accel, u)),
-            Self::Sphere(light) => light.sample_direct(accel, x1, [u[1], u[2]]),
+            Self::Shape(light) => light.sample_direct(accel, x1, [u[1], u[2]]),
             Self::Point(light) => Some(light.sample_direct()),
             Self::Spot(light) => Some(light.sample_direct()),
             Self::Directional(light) => Some(light.sample_direct(x1)),
             Self::Environment(light) => Some(light.sample_direct(x1, [u[1], u[2]])),
+            Self::Projector(light) => Some(light.sample_direct()),
+            Self::EnvironmentMap(light) => Some(light.sample_direct(x1, u)),
         }
     }
 
@@ -147,37 +172,51 @@ impl Emitter {
         let to_area = || edge.solid_angle_to_area(x0);
         match self {
             Self::Mesh(light) => light.direct_density(),
-            Self::Sphere(light) => light.direct_density(accel, x1, x0, edge),
-            Self::Point(_) | Self::Spot(_) => Density::new(1.0),
+            Self::Shape(light) => light.direct_density(accel, x1, x0, edge),
+            Self::Point(_) | Self::Spot(_) | Self::Projector(_) => Density::new(1.0),
             Self::Directional(_) => Density::new(1.0) * to_area(),
+            Self::EnvironmentMap(light) => light.direct_density(edge) * to_area(),
             Self::Environment(_) => Environment::direct_density() * to_area(),
         }
     }
 
-    /// Radiant flux \[W\], exact or nearly so: what emitters are chosen by.
+    /// Radiant flux \[W\], exact or nearly so: what emitters are chosen by. Of a textured
+    /// surface, from the mean over 2¹⁴ points.
     #[must_use]
     pub fn flux(&self) -> Rgb {
         match self {
-            Self::Mesh(MeshEmitter { radiance, area, .. }) | Self::Sphere(SphereEmitter { radiance, area, .. }) => {
-                *radiance * (std::f64::consts::PI * area)
-            }
+            Self::Mesh(MeshEmitter { flux, .. }) | Self::Shape(ShapeEmitter { flux, .. }) => *flux,
             Self::Point(light) => light.flux(),
             Self::Spot(light) => light.flux(),
             Self::Directional(light) => light.flux(),
             Self::Environment(light) => light.flux(),
+            Self::Projector(light) => light.flux(),
+            Self::EnvironmentMap(light) => light.flux(),
         }
+    }
+
+    /// It is a surface of the scene.
+    #[must_use]
+    pub fn is_surface(&self) -> bool {
+        matches!(self, Self::Mesh(_) | Self::Shape(_))
+    }
+
+    /// It is what rays that leave the scene meet.
+    #[must_use]
+    pub fn is_environment(&self) -> bool {
+        matches!(self, Self::Environment(_) | Self::EnvironmentMap(_))
     }
 
     /// Its points are at a finite place, so that x_0 can be drawn on its own, before any direction.
     #[must_use]
     pub fn is_local(&self) -> bool {
-        !matches!(self, Self::Directional(_) | Self::Environment(_))
+        !matches!(self, Self::Directional(_)) && !self.is_environment()
     }
 
     /// A walk that hits a surface or leaves the scene can find it (technique s = 0).
     #[must_use]
     pub fn can_be_hit(&self) -> bool {
-        matches!(self, Self::Mesh(_) | Self::Sphere(_) | Self::Environment(_))
+        self.is_surface() || self.is_environment()
     }
 }
 

@@ -1,11 +1,12 @@
-//! Surfaces that emit from their front, with the same radiance everywhere and in all directions.
+//! Surfaces that emit from their front, with the same radiance in all directions.
 
 use glam::DVec3;
 
 use crate::geometry::Frame;
 use crate::measure::{Area, Density, Jacobian, SolidAngle};
 use crate::path::{Edge, Vertex, VertexKind};
-use crate::scene::accel::{Accel, PrimitiveId};
+use crate::scene::accel::{Accel, AnalyticShape, PrimitiveId, ShapePoint, SphereShape};
+use crate::scene::texture::Parameter;
 use crate::scene::{MaterialId, discrete::Discrete};
 use crate::spectrum::Rgb;
 use crate::warp;
@@ -18,7 +19,9 @@ pub struct MeshEmitter {
     /// Its own id.
     pub id: EmitterId,
     /// Radiance of the front \[W/m²/sr\].
-    pub radiance: Rgb,
+    pub radiance: Parameter<Rgb>,
+    /// π times the integral of the radiance over the surface \[W\].
+    pub flux: Rgb,
     /// Total area \[m²\].
     pub area: f64,
     /// The triangles, by id.
@@ -29,16 +32,18 @@ pub struct MeshEmitter {
     pub material: MaterialId,
 }
 
-/// A sphere that emits outwards.
-#[derive(Clone, Copy, Debug)]
-pub struct SphereEmitter {
+/// An analytic shape that emits.
+#[derive(Clone, Debug)]
+pub struct ShapeEmitter {
     /// Its own id.
     pub id: EmitterId,
-    /// Radiance of the outside \[W/m²/sr\].
-    pub radiance: Rgb,
+    /// Radiance of the front \[W/m²/sr\].
+    pub radiance: Parameter<Rgb>,
+    /// π times the integral of the radiance over the surface \[W\].
+    pub flux: Rgb,
     /// Area \[m²\].
     pub area: f64,
-    /// The sphere.
+    /// The shape.
     pub primitive: PrimitiveId,
     /// How it scatters.
     pub material: MaterialId,
@@ -84,15 +89,18 @@ impl MeshEmitter {
     }
 }
 
-impl SphereEmitter {
+impl ShapeEmitter {
     pub(super) fn sample_emission(&self, accel: &Accel, u: [f64; 5]) -> EmissionSample {
-        let vertex = self.vertex(accel, warp::uniform_sphere([u[1], u[2]]));
-        emit_from(vertex, [u[3], u[4]])
+        emit_from(self.vertex(self.shape(accel).sample([u[1], u[2]])), [u[3], u[4]])
     }
 
-    /// Uniform in the cone that the sphere fills, seen from x_1 outside of it.
+    /// From a sphere seen from outside, uniform in the cone that it fills; from other shapes uniform by area.
     pub(super) fn sample_direct(&self, accel: &Accel, x1: DVec3, u: [f64; 2]) -> Option<DirectSample> {
-        let cone = self.cone(accel, x1)?;
+        let shape = self.shape(accel);
+        let AnalyticShape::Sphere(sphere @ SphereShape { inward: false, .. }) = shape else {
+            return Some(DirectSample { vertex: self.vertex(shape.sample(u)), density: self.uniform_density() });
+        };
+        let cone = cone(sphere, x1)?;
         let frame = Frame::around(cone.axis);
         let local = warp::uniform_cone(u, cone.one_minus_cos_max);
         // The point of the sphere that this direction meets first, as an angle α at the centre (pbrt 4, §6.2.4).
@@ -101,16 +109,19 @@ impl SphereEmitter {
         let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
         let scale = if sin2 > 0.0 { sin_alpha / sin2.sqrt() } else { 0.0 };
         let outward = frame.to_world(DVec3::new(local.x * scale, local.y * scale, -cos_alpha));
-        let vertex = self.vertex(accel, outward);
+        let vertex = self.vertex(sphere.along(outward));
         let density = warp::uniform_cone_density(cone.one_minus_cos_max)
             * Edge::from_to(x1, vertex.position).solid_angle_to_area(&vertex);
         Some(DirectSample { vertex, density })
     }
 
     pub(super) fn direct_density(&self, accel: &Accel, x1: DVec3, x0: &Vertex, edge: &Edge) -> Density<Area> {
+        let AnalyticShape::Sphere(sphere @ SphereShape { inward: false, .. }) = self.shape(accel) else {
+            return self.uniform_density();
+        };
         let to_area: Jacobian<SolidAngle, Area> = edge.solid_angle_to_area(x0);
         // Only what faces x_1 lies first along its direction.
-        match self.cone(accel, x1) {
+        match cone(sphere, x1) {
             Some(cone) if x0.normal.dot(edge.direction) < 0.0 => {
                 warp::uniform_cone_density(cone.one_minus_cos_max) * to_area
             }
@@ -118,26 +129,28 @@ impl SphereEmitter {
         }
     }
 
-    fn vertex(&self, accel: &Accel, outward: DVec3) -> Vertex {
-        let sphere = accel.as_sphere(self.primitive).expect("a sphere emitter names a sphere");
-        Vertex {
-            position: sphere.centre + outward * sphere.radius,
-            normal: outward,
-            shading_normal: outward,
-            kind: VertexKind::Surface { primitive: self.primitive, material: self.material, emitter: Some(self.id) },
-        }
+    fn uniform_density(&self) -> Density<Area> {
+        Density::new(1.0 / self.area)
     }
 
-    /// The cone of directions from `origin` to the sphere; `None` inside, from where nothing is seen to emit.
-    fn cone(&self, accel: &Accel, origin: DVec3) -> Option<Cone> {
-        let sphere = accel.as_sphere(self.primitive)?;
-        let to_centre = sphere.centre - origin;
-        let distance = to_centre.length();
-        let sin_max = sphere.radius / distance;
-        let cos_max = ((distance - sphere.radius) * (distance + sphere.radius)).max(0.0).sqrt() / distance;
-        let one_minus_cos_max = sin_max * sin_max / (1.0 + cos_max);
-        (distance > sphere.radius).then(|| Cone { axis: to_centre / distance, sin_max, one_minus_cos_max })
+    fn shape<'a>(&self, accel: &'a Accel) -> &'a AnalyticShape {
+        accel.as_analytic(self.primitive).expect("the emitter names an analytic shape")
     }
+
+    fn vertex(&self, ShapePoint { position, normal }: ShapePoint) -> Vertex {
+        let kind = VertexKind::Surface { primitive: self.primitive, material: self.material, emitter: Some(self.id) };
+        Vertex { position, normal, shading_normal: normal, kind }
+    }
+}
+
+/// The cone of directions from `origin` to a sphere; `None` inside, from where nothing is seen to emit outwards.
+fn cone(sphere: &SphereShape, origin: DVec3) -> Option<Cone> {
+    let to_centre = sphere.centre - origin;
+    let distance = to_centre.length();
+    let sin_max = sphere.radius / distance;
+    let cos_max = ((distance - sphere.radius) * (distance + sphere.radius)).max(0.0).sqrt() / distance;
+    let one_minus_cos_max = sin_max * sin_max / (1.0 + cos_max);
+    (distance > sphere.radius).then(|| Cone { axis: to_centre / distance, sin_max, one_minus_cos_max })
 }
 
 struct Cone {

@@ -4,6 +4,11 @@
 //! caller. What a header promises is not believed: memory is bounded by the size of the file, or of what it unpacks to.
 
 mod error;
+mod obj;
+mod ply;
+mod serialized;
+#[cfg(test)]
+mod tests;
 
 use std::fs::File;
 use std::io::{self, ErrorKind, Read};
@@ -42,15 +47,22 @@ pub struct MeshOptions {
 pub struct MeshData {
     /// Vertex positions, all finite.
     pub positions: Vec<Vec3>,
-    /// Shading normals, one per vertex, of any length, where the file has them. Zero where it has none for this vertex.
+    /// Shading normals, one per vertex, of any length, where the file has them. Zero where it has none for this vertex or
+    /// none that is finite.
     pub normals: Option<Vec<Vec3>>,
-    /// Texture coordinates, one per vertex, where the file has them. Zero where it has none for this vertex.
+    /// Texture coordinates, one per vertex, where the file has them. Zero where it has none for this vertex or none
+    /// that is finite.
     pub texcoords: Option<Vec<Vec2>>,
     /// Other values at vertices and faces, named as Mitsuba names them: `vertex_color`, `face_id`, …
     pub attributes: Vec<Attribute>,
     /// Vertex indices, each below the number of positions.
     pub triangles: Vec<[u32; 3]>,
+    /// Sentences about what is passed over.
+    pub warnings: Vec<String>,
 }
+
+/// Vertices of larger files might be more than their indices can count.
+const MOST_BYTES: usize = 8 << 30;
 
 /// Reads a mesh.
 ///
@@ -69,9 +81,16 @@ pub fn read(path: &Path, format: MeshFormat, options: &MeshOptions) -> Result<Me
 /// # Errors
 /// The bytes break the rules of the format; see [`MeshError`].
 pub fn read_bytes(bytes: &[u8], path: &Path, format: MeshFormat, options: &MeshOptions) -> Result<MeshData, MeshError> {
-    let _ = (bytes, options);
-    let fault = Fault::new("the file", format!("{format:?} is not supported yet"), "use glTF");
-    Err(fault.in_file(path))
+    let mesh = if bytes.len() > MOST_BYTES {
+        Err(Fault::new("the file", "is larger than 8 GiB", "split the mesh"))
+    } else {
+        match format {
+            MeshFormat::Obj => obj::read(bytes, options.flip_tex_coords),
+            MeshFormat::Ply => ply::read(bytes, options.flip_tex_coords),
+            MeshFormat::Serialized { shape_index } => serialized::read(bytes, shape_index),
+        }
+    };
+    mesh.map_err(|fault| fault.in_file(path))
 }
 
 /// All bytes of a regular file; a pipe or device could go on for ever.
@@ -84,4 +103,9 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::with_capacity(usize::try_from(metadata.len()).unwrap_or(0));
     file.take(metadata.len()).read_to_end(&mut bytes)?;
     Ok(bytes)
+}
+
+/// What is not finite counts as missing.
+fn finite_or_zero<const N: usize>(numbers: [f32; N]) -> [f32; N] {
+    if numbers.iter().all(|x| x.is_finite()) { numbers } else { [0.0; N] }
 }

@@ -1,4 +1,3 @@
-use std::cmp::Ordering;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -6,10 +5,9 @@ use std::path::{Path, PathBuf};
 use super::error::ExportError;
 use super::material::Materials;
 use super::xml::Element;
-use super::{ply, sensor};
-use crate::geometry::Frame;
-use crate::scene::description::{EnvironmentDescription, FilmSize, Light, LightKind, Mesh, SceneDescription, Sphere};
-use crate::spectrum::Rgb;
+use super::{light, ply, sensor, shape};
+use crate::scene::description::{FilmSize, Mesh, SceneDescription};
+use crate::scene::texture::Parameter;
 
 /// What the XML file says beyond the scene. A run of Mitsuba may override the integrator and the number of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +29,7 @@ impl Default for ExportOptions {
     }
 }
 
-/// Writes `scene.xml` and `meshes/*.ply` into `folder`, which is created where it does not exist, and returns the path
+/// Writes `scene.xml`, `meshes/*.ply` and `textures/*` into `folder`, which is created where it does not exist, and returns the path
 /// of the XML file.
 ///
 /// Quantities keep their unit: radiance, intensity and irradiance are written as linear RGB, which Mitsuba's RGB variants
@@ -59,17 +57,21 @@ pub fn export(scene: &SceneDescription, options: &ExportOptions, folder: &Path) 
             .string("filename", file)
             .boolean("face_normals", mesh.normals.is_none())
             .boolean("flip_tex_coords", false);
-        root = root.child(with_material(scene, shape, mesh.material, &format!("mesh '{}'", mesh.name))?);
+        root =
+            root.child(with_material(scene, &mut materials, shape, mesh.material, &format!("mesh '{}'", mesh.name))?);
     }
-    for sphere in &scene.spheres {
-        root = root.child(sphere_shape(scene, sphere)?);
+    let SceneDescription { spheres, disks, cylinders, .. } = scene;
+    let spheres = spheres.iter().map(|s| ("sphere", &s.name, s.material, shape::sphere(s)));
+    let disks = disks.iter().map(|d| ("disk", &d.name, d.material, shape::disk(d)));
+    let cylinders = cylinders.iter().map(|c| ("cylinder", &c.name, c.material, shape::cylinder(c)));
+    for (kind, name, material, shape) in spheres.chain(disks).chain(cylinders) {
+        root = root.child(with_material(scene, &mut materials, shape, material, &format!("{kind} '{name}'"))?);
     }
     for light in &scene.lights {
-        root = root.child(emitter(scene, light)?);
+        root = root.child(light::light(scene, light, materials.images())?);
     }
-    if let Some(EnvironmentDescription::Constant(radiance)) = scene.environment {
-        check_power(scene, "environment", radiance)?;
-        root = root.child(Element::plugin("emitter", "constant").rgb("radiance", radiance));
+    if let Some(environment) = &scene.environment {
+        root = root.child(light::environment(scene, environment, materials.images())?);
     }
 
     let mesh_folder = folder.join("meshes");
@@ -95,63 +97,33 @@ fn mesh_file(index: usize, mesh: &Mesh) -> String {
     format!("meshes/{index:04}_{name}.ply")
 }
 
-fn sphere_shape(scene: &SceneDescription, sphere: &Sphere) -> Result<Element, ExportError> {
-    let shape = Element::plugin("shape", "sphere").point("center", sphere.centre).float("radius", sphere.radius);
-    with_material(scene, shape, sphere.material, &format!("sphere '{}'", sphere.name))
-}
-
-fn with_material(scene: &SceneDescription, shape: Element, index: usize, place: &str) -> Result<Element, ExportError> {
+/// A shape with the material that it refers to and what that emits.
+fn with_material(
+    scene: &SceneDescription,
+    materials: &mut Materials<'_>,
+    shape: Element,
+    index: usize,
+    place: &str,
+) -> Result<Element, ExportError> {
     let Some(material) = scene.materials.get(index) else {
         let problem = format!("refers to material {index}, but there are {}", scene.materials.len());
         return Err(ExportError::invalid(&scene.name, place, problem));
     };
     let shape = shape.child(Element::new("ref").with("id", material_id(index)));
-    let Some(&emission) = material.emission.constant().filter(|_| material.emits()) else {
+    if !material.emits() {
         return Ok(shape);
-    };
-    check_power(scene, &format!("material '{}'", material.name), emission)?;
-    Ok(shape.child(Element::plugin("emitter", "area").rgb("radiance", emission)))
-}
-
-fn emitter(scene: &SceneDescription, light: &Light) -> Result<Element, ExportError> {
-    let place = format!("light '{}'", light.name);
-    match light.kind {
-        LightKind::Point { position, intensity } => {
-            check_power(scene, &place, intensity)?;
-            Ok(Element::plugin("emitter", "point").point("position", position).rgb("intensity", intensity))
-        }
-        LightKind::Spot { position, direction, intensity, inner_angle, outer_angle } => {
-            check_power(scene, &place, intensity)?;
-            // Mitsuba divides by the difference of the angles.
-            if inner_angle.partial_cmp(&outer_angle) != Some(Ordering::Less) {
-                let what =
-                    format!("a spot whose inner cone ({inner_angle} rad) is not inside the outer ({outer_angle} rad)");
-                let remedy = "make the outer angle larger";
-                return Err(ExportError::unsupported(&scene.name, place, what, remedy));
-            }
-            let frame = Frame::around(direction);
-            Ok(Element::plugin("emitter", "spot")
-                .rgb("intensity", intensity)
-                .float("cutoff_angle", outer_angle.to_degrees())
-                .float("beam_width", inner_angle.to_degrees())
-                .frame(frame.x, frame.y, frame.z, position))
-        }
-        LightKind::Projector { .. } => {
-            Err(ExportError::unsupported(&scene.name, place, "projectors yet", "choose another light"))
-        }
-        LightKind::Directional { direction, irradiance } => {
-            check_power(scene, &place, irradiance)?;
-            Ok(Element::plugin("emitter", "directional").vector("direction", direction).rgb("irradiance", irradiance))
-        }
     }
-}
-
-fn check_power(scene: &SceneDescription, place: &str, value: Rgb) -> Result<(), ExportError> {
-    if value.is_finite() && value.min_component() >= 0.0 {
-        return Ok(());
-    }
-    let problem = format!("emits {:?}; give finite values that are not negative", value.to_array());
-    Err(ExportError::invalid(&scene.name, place, problem))
+    let place = format!("material '{}'", material.name);
+    let emitter = Element::plugin("emitter", "area");
+    Ok(shape.child(match &material.emission {
+        Parameter::Constant(radiance) => {
+            light::check_power(scene, &place, *radiance)?;
+            emitter.rgb("radiance", *radiance)
+        }
+        Parameter::Texture(texture) => {
+            emitter.child(materials.images().element(texture, true, "radiance", scene, &place)?)
+        }
+    }))
 }
 
 fn check_mesh(scene: &SceneDescription, mesh: &Mesh) -> Result<(), ExportError> {

@@ -1,12 +1,15 @@
 //! Materials as Mitsuba's BSDFs.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use super::error::ExportError;
 use super::texture::Images;
 use super::xml::Element;
-use crate::scene::description::{BsdfDescription, ConductorFresnel, Material, NormalSource, SceneDescription};
-use crate::scene::texture::Parameter;
+use crate::scene::description::{
+    BsdfDescription, ConductorFresnel, Material, MicrofacetKind, NormalSource, PrincipledDescription, SceneDescription,
+};
+use crate::scene::texture::{Parameter, Texture};
 use crate::spectrum::Rgb;
 
 /// Writes materials and collects the images of their textures.
@@ -28,6 +31,11 @@ impl<'a> Materials<'a> {
         Ok(if wrap { Element::plugin("bsdf", "twosided").child(element) } else { element })
     }
 
+    /// The images that elements refer to.
+    pub(super) fn images(&mut self) -> &mut Images {
+        &mut self.images
+    }
+
     /// Writes what the elements refer to.
     pub(super) fn write_images(&self, folder: &Path) -> Result<(), ExportError> {
         self.images.write(folder)
@@ -38,25 +46,59 @@ impl<'a> Materials<'a> {
             BsdfDescription::Diffuse { reflectance } => {
                 self.share(Element::plugin("bsdf", "diffuse"), "reflectance", reflectance, place)?
             }
-            BsdfDescription::Conductor { fresnel, .. } => {
-                self.conductor(place, Element::plugin("bsdf", "conductor"), fresnel)?
+            BsdfDescription::Conductor { fresnel, reflectance } => {
+                self.conductor(Element::plugin("bsdf", "conductor"), fresnel, reflectance, place)?
             }
-            BsdfDescription::RoughConductor { alpha, fresnel, .. } => {
-                let rough = self.rough("roughconductor", alpha, place)?;
-                self.conductor(place, rough, fresnel)?
+            BsdfDescription::RoughConductor { distribution, alpha, alpha_v, fresnel, reflectance } => {
+                let rough = self.rough("roughconductor", *distribution, alpha, alpha_v.as_ref(), place)?;
+                self.conductor(rough, fresnel, reflectance, place)?
             }
-            BsdfDescription::Dielectric { interior_ior, exterior_ior, .. } => {
-                dielectric(Element::plugin("bsdf", "dielectric"), *interior_ior, *exterior_ior)
+            BsdfDescription::Dielectric { interior_ior, exterior_ior, reflectance, transmittance } => {
+                let element = indices(Element::plugin("bsdf", "dielectric"), *interior_ior, *exterior_ior);
+                self.tints(element, reflectance, transmittance, place)?
             }
-            BsdfDescription::RoughDielectric { alpha, interior_ior, exterior_ior, .. } => {
-                dielectric(self.rough("roughdielectric", alpha, place)?, *interior_ior, *exterior_ior)
+            BsdfDescription::ThinDielectric { interior_ior, exterior_ior, reflectance, transmittance } => {
+                let element = indices(Element::plugin("bsdf", "thindielectric"), *interior_ior, *exterior_ior);
+                self.tints(element, reflectance, transmittance, place)?
             }
-            BsdfDescription::ThinDielectric { .. }
-            | BsdfDescription::Plastic { .. }
-            | BsdfDescription::RoughPlastic { .. }
-            | BsdfDescription::Principled(_) => {
-                return Err(ExportError::unsupported(&self.scene.name, place, "this model yet", "choose another"));
+            BsdfDescription::RoughDielectric {
+                distribution,
+                alpha,
+                alpha_v,
+                interior_ior,
+                exterior_ior,
+                reflectance,
+                transmittance,
+            } => {
+                // Mitsuba refuses rough interfaces of equal indices, which bend nothing.
+                let element = if interior_ior == exterior_ior {
+                    Element::plugin("bsdf", "dielectric")
+                } else {
+                    self.rough("roughdielectric", *distribution, alpha, alpha_v.as_ref(), place)?
+                };
+                self.tints(indices(element, *interior_ior, *exterior_ior), reflectance, transmittance, place)?
             }
+            BsdfDescription::Plastic { interior_ior, exterior_ior, diffuse, specular, nonlinear } => {
+                let element = indices(Element::plugin("bsdf", "plastic"), *interior_ior, *exterior_ior);
+                self.base(element, diffuse, specular, *nonlinear, place)?
+            }
+            BsdfDescription::RoughPlastic {
+                distribution,
+                alpha,
+                interior_ior,
+                exterior_ior,
+                diffuse,
+                specular,
+                nonlinear,
+            } => {
+                if interior_ior == exterior_ior {
+                    let what = "a rough coat with the index of refraction of the outside";
+                    return Err(ExportError::unsupported(&self.scene.name, place, what, "leave the coat out"));
+                }
+                let element = self.rough("roughplastic", *distribution, &(*alpha).into(), None, place)?;
+                self.base(indices(element, *interior_ior, *exterior_ior), diffuse, specular, *nonlinear, place)?
+            }
+            BsdfDescription::Principled(parameters) => self.principled(parameters, place)?,
             BsdfDescription::Null => Element::plugin("bsdf", "null"),
             BsdfDescription::TwoSided { front, back } => {
                 let element = Element::plugin("bsdf", "twosided").child(self.bsdf(front, place)?);
@@ -98,19 +140,84 @@ impl<'a> Materials<'a> {
         }
     }
 
-    fn rough(&mut self, plugin: &str, alpha: &Parameter<f64>, place: &str) -> Result<Element, ExportError> {
-        let element = Element::plugin("bsdf", plugin).string("distribution", "ggx");
-        self.number(element, "alpha", alpha, place)
+    fn rough(
+        &mut self,
+        plugin: &str,
+        distribution: MicrofacetKind,
+        alpha: &Parameter<f64>,
+        alpha_v: Option<&Parameter<f64>>,
+        place: &str,
+    ) -> Result<Element, ExportError> {
+        let name = match distribution {
+            MicrofacetKind::Ggx => "ggx",
+            MicrofacetKind::Beckmann => "beckmann",
+        };
+        let element = Element::plugin("bsdf", plugin).string("distribution", name);
+        let Some(alpha_v) = alpha_v else { return self.number(element, "alpha", alpha, place) };
+        let element = self.number(element, "alpha_u", alpha, place)?;
+        self.number(element, "alpha_v", alpha_v, place)
     }
 
-    fn conductor(&self, place: &str, element: Element, fresnel: &ConductorFresnel) -> Result<Element, ExportError> {
+    fn conductor(
+        &mut self,
+        element: Element,
+        fresnel: &ConductorFresnel,
+        reflectance: &Parameter<Rgb>,
+        place: &str,
+    ) -> Result<Element, ExportError> {
         match fresnel {
-            ConductorFresnel::Ior { eta, k } => Ok(element.rgb("eta", *eta).rgb("k", *k)),
+            ConductorFresnel::Ior { eta, k } => {
+                self.tint(element.rgb("eta", *eta).rgb("k", *k), "specular_reflectance", reflectance, place)
+            }
             ConductorFresnel::Tint { specular_tint } => {
                 self.check_share(place, *specular_tint)?;
-                Ok(element.string("material", "none").rgb("specular_reflectance", *specular_tint))
+                let product = times(*specular_tint, reflectance);
+                self.share(element.string("material", "none"), "specular_reflectance", &product, place)
             }
         }
+    }
+
+    fn tints(
+        &mut self,
+        element: Element,
+        reflectance: &Parameter<Rgb>,
+        transmittance: &Parameter<Rgb>,
+        place: &str,
+    ) -> Result<Element, ExportError> {
+        let element = self.tint(element, "specular_reflectance", reflectance, place)?;
+        self.tint(element, "specular_transmittance", transmittance, place)
+    }
+
+    /// A factor, where it is not one.
+    fn tint(
+        &mut self,
+        element: Element,
+        name: &str,
+        value: &Parameter<Rgb>,
+        place: &str,
+    ) -> Result<Element, ExportError> {
+        if value.constant() == Some(&Rgb::WHITE) { Ok(element) } else { self.share(element, name, value, place) }
+    }
+
+    fn base(
+        &mut self,
+        element: Element,
+        diffuse: &Parameter<Rgb>,
+        specular: &Parameter<Rgb>,
+        nonlinear: bool,
+        place: &str,
+    ) -> Result<Element, ExportError> {
+        let element = self.share(element, "diffuse_reflectance", diffuse, place)?;
+        Ok(self.tint(element, "specular_reflectance", specular, place)?.boolean("nonlinear", nonlinear))
+    }
+
+    fn principled(&mut self, parameters: &PrincipledDescription, place: &str) -> Result<Element, ExportError> {
+        let element = Element::plugin("bsdf", "principled").float("eta", parameters.eta);
+        let mut element = self.share(element, "base_color", &parameters.base_color, place)?;
+        for (name, value) in parameters.numbers() {
+            element = self.number(element, name, value, place)?;
+        }
+        Ok(element)
     }
 
     /// A reflectance.
@@ -161,14 +268,27 @@ impl<'a> Materials<'a> {
 fn has_two_sides(description: &BsdfDescription) -> bool {
     match description {
         BsdfDescription::Dielectric { .. }
+        | BsdfDescription::ThinDielectric { .. }
         | BsdfDescription::RoughDielectric { .. }
         | BsdfDescription::Null
         | BsdfDescription::Mask { .. }
         | BsdfDescription::TwoSided { .. } => true,
+        BsdfDescription::Principled(parameters) => parameters.spec_trans.constant() != Some(&0.0),
         other => other.nested().into_iter().any(has_two_sides),
     }
 }
 
-fn dielectric(element: Element, interior_ior: f64, exterior_ior: f64) -> Element {
+fn indices(element: Element, interior_ior: f64, exterior_ior: f64) -> Element {
     element.float("int_ior", interior_ior).float("ext_ior", exterior_ior)
+}
+
+fn times(tint: Rgb, reflectance: &Parameter<Rgb>) -> Parameter<Rgb> {
+    match reflectance {
+        Parameter::Constant(value) => (*value * tint).into(),
+        Parameter::Texture(_) if tint == Rgb::WHITE => reflectance.clone(),
+        Parameter::Texture(texture) => {
+            let tint = Texture::Constant([tint.r, tint.g, tint.b, 1.0]);
+            Parameter::Texture(Arc::new(Texture::Product(vec![tint, (**texture).clone()])))
+        }
+    }
 }

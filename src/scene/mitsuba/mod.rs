@@ -2,9 +2,11 @@
 
 mod error;
 mod export;
+mod light;
 mod material;
 mod ply;
 mod sensor;
+mod shape;
 mod texture;
 mod xml;
 

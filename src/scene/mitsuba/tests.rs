@@ -198,6 +198,79 @@ fn opaque_two_sided_materials_are_wrapped_and_glass_is_not() {
     assert_eq!(bsdfs[1].value("material"), "none");
 }
 
+fn written(bsdf: BsdfDescription) -> Result<Node, ExportError> {
+    let scene = SceneDescription { materials: vec![material(bsdf, false)], ..scene() };
+    let mut root = exported(&scene, &ExportOptions::default())?;
+    let index = root.children.iter().position(|child| child.tag == "bsdf").unwrap();
+    Ok(root.children.swap_remove(index))
+}
+
+#[test]
+fn tints_and_roughness_along_v_are_written_where_there_are_any() {
+    let metal = |fresnel, reflectance: Rgb, alpha_v: Option<f64>| BsdfDescription::RoughConductor {
+        distribution: MicrofacetKind::Beckmann,
+        alpha: 0.2.into(),
+        alpha_v: alpha_v.map(Into::into),
+        fresnel,
+        reflectance: reflectance.into(),
+    };
+    let ior = ConductorFresnel::Ior { eta: Rgb::new(0.2, 0.9, 1.1), k: Rgb::new(3.9, 2.4, 2.2) };
+    let brushed = written(metal(ior.clone(), Rgb::new(1.0, 0.5, 0.25), Some(0.6))).unwrap();
+    assert_eq!([brushed.plugin(), brushed.value("distribution")], ["roughconductor", "beckmann"]);
+    assert_eq!([brushed.value("alpha_u"), brushed.value("alpha_v")], ["0.2", "0.6"]);
+    assert_eq!(brushed.numbers("specular_reflectance"), [1.0, 0.5, 0.25]);
+    let plain = written(metal(ior, Rgb::WHITE, None)).unwrap();
+    assert_eq!(plain.value("alpha"), "0.2");
+    assert_eq!(plain.all("rgb").len(), 2, "eta and k only");
+    // Mitsuba has one factor for both.
+    let tint = ConductorFresnel::Tint { specular_tint: Rgb::new(0.5, 0.5, 1.0) };
+    let tinted = written(metal(tint, Rgb::new(1.0, 0.5, 0.25), None)).unwrap();
+    assert_eq!(tinted.numbers("specular_reflectance"), [0.5, 0.25, 0.25]);
+}
+
+#[test]
+fn panes_and_coats_keep_their_indices_and_colours() {
+    let (reflectance, transmittance) = (Rgb::new(0.9, 0.8, 0.7).into(), Rgb::new(0.5, 0.9, 0.8).into());
+    let pane =
+        written(BsdfDescription::ThinDielectric { interior_ior: 1.5, exterior_ior: 1.1, reflectance, transmittance });
+    let pane = pane.unwrap();
+    assert_eq!([pane.plugin(), pane.value("int_ior"), pane.value("ext_ior")], ["thindielectric", "1.5", "1.1"]);
+    assert_eq!(pane.numbers("specular_reflectance"), [0.9, 0.8, 0.7]);
+    assert_eq!(pane.numbers("specular_transmittance"), [0.5, 0.9, 0.8]);
+    let coat = |interior_ior| BsdfDescription::RoughPlastic {
+        distribution: MicrofacetKind::Ggx,
+        alpha: 0.3,
+        interior_ior,
+        exterior_ior: 1.0,
+        diffuse: Rgb::new(0.1, 0.2, 0.3).into(),
+        specular: Rgb::WHITE.into(),
+        nonlinear: true,
+    };
+    let plastic = written(coat(1.5)).unwrap();
+    assert_eq!([plastic.plugin(), plastic.value("distribution")], ["roughplastic", "ggx"]);
+    assert_eq!([plastic.value("alpha"), plastic.value("nonlinear")], ["0.3", "true"]);
+    assert_eq!(plastic.numbers("diffuse_reflectance"), [0.1, 0.2, 0.3]);
+    assert!(written(coat(1.0)).unwrap_err().to_string().contains("leave the coat out"));
+    // What bends nothing is written as the smooth interface that Mitsuba takes.
+    assert_eq!(written(BsdfDescription::rough_dielectric(0.3, 1.2, 1.2)).unwrap().plugin(), "dielectric");
+}
+
+#[test]
+fn all_parameters_of_the_principled_model_are_written() {
+    let description = PrincipledDescription {
+        base_color: Rgb::new(0.1, 0.2, 0.3).into(),
+        clearcoat: 0.25.into(),
+        eta: 1.25,
+        ..Default::default()
+    };
+    let principled = written(BsdfDescription::Principled(Box::new(description.clone()))).unwrap();
+    assert_eq!([principled.plugin(), principled.value("eta")], ["principled", "1.25"]);
+    assert_eq!(principled.numbers("base_color"), [0.1, 0.2, 0.3]);
+    for (name, number) in description.numbers() {
+        assert_eq!(principled.numbers(name), [*number.constant().unwrap()], "{name}");
+    }
+}
+
 #[test]
 fn unlimited_length_is_minus_one() {
     let limited = ExportOptions { max_length: Some(8), rr_depth: 3, ..Default::default() };

@@ -66,7 +66,8 @@ impl Images {
         })
     }
 
-    fn file(&mut self, bitmap: &Arc<Bitmap>) -> String {
+    /// The file that a bitmap will be in, relative to the scene's.
+    pub(super) fn file(&mut self, bitmap: &Arc<Bitmap>) -> String {
         if let Some((_, file)) = self.bitmaps.iter().find(|(known, _)| Arc::ptr_eq(known, bitmap)) {
             return file.clone();
         }

@@ -1,8 +1,10 @@
 //! Images as functions of the plane.
 
+use std::fmt;
 use std::sync::LazyLock;
 
 use glam::DVec2;
+use xxhash_rust::xxh3::xxh3_64;
 
 use crate::spectrum::Rgb;
 
@@ -23,8 +25,8 @@ pub struct Bitmap {
     pub wrap: [Wrap; 2],
 }
 
-/// Pixels as they are stored.
-#[derive(Clone, Debug, PartialEq)]
+/// Pixels as they are stored. Printed for debugging they are their number and a hash.
+#[derive(Clone, PartialEq)]
 pub enum Texels {
     /// Red, green and blue by the curve of sRGB, opacity linear, each 0 … 255.
     Srgb8(Vec<[u8; 4]>),
@@ -79,6 +81,17 @@ static SRGB: LazyLock<[f64; 256]> = LazyLock::new(|| std::array::from_fn(|i| srg
 #[must_use]
 pub fn srgb_to_linear(x: f64) -> f64 {
     if x <= 0.04045 { x / 12.92 } else { libm::pow((x + 0.055) / 1.055, 2.4) }
+}
+
+impl fmt::Debug for Texels {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let (kind, bytes): (_, &[u8]) = match self {
+            Self::Srgb8(texels) => ("Srgb8", texels.as_flattened()),
+            Self::Linear8(texels) => ("Linear8", texels.as_flattened()),
+            Self::Float(texels) => ("Float", bytemuck::cast_slice(texels)),
+        };
+        write!(f, "{kind}({} bytes, {:016x})", bytes.len(), xxh3_64(bytes))
+    }
 }
 
 impl Texels {

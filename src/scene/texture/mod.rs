@@ -11,6 +11,7 @@ use glam::{DAffine2, DVec2};
 
 use crate::spectrum::Rgb;
 
+pub(crate) use bitmap::srgb_to_linear;
 pub use bitmap::{Bitmap, Filter, Texels, Wrap};
 pub use decode::{ImageError, decode, read};
 pub(crate) use parameter::clamped;

@@ -56,7 +56,8 @@ fn stages() -> Vec<Stage> {
     let (l, rho) = (emission.to_array(), reflectance.to_array());
     let truncated = Rgb::from([0, 1, 2].map(|c| channel(l[c], rho[c]))).luminance();
     let enclosure = Stage { scene: scenes::enclosure(emission, reflectance, FILM), known: Some(truncated) };
-    let others = [scenes::room, scenes::bazaar, scenes::cabinet, scenes::terrace, scenes::gallery, scenes::veneer];
+    use scenes::{bazaar, cabinet, gallery, lanterns, observatory, room, showroom, terrace, veneer};
+    let others = [room, bazaar, cabinet, terrace, gallery, veneer, showroom, lanterns, observatory];
     std::iter::once(enclosure).chain(others.map(|make| Stage { scene: make(FILM), known: None })).collect()
 }
 

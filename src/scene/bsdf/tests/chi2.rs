@@ -156,8 +156,8 @@ fn samples_follow_their_density() {
             set_ups.extend(cosines.iter().flat_map(|&c| [c, -c]).map(|cos| (rough_glass(alpha, ior), alpha, ior, cos)));
         }
     }
-    let composites = composites::all().into_iter().filter(Bsdf::has_finite);
-    for model in composites {
+    let wide = others().into_iter().chain(composites::all());
+    for model in wide.filter(Bsdf::has_finite) {
         let cosines = if model.transmits() { &[0.8, 0.3, -0.6][..] } else { &[0.8, 0.3] };
         set_ups.extend(cosines.iter().map(|&cos| (model.clone(), 1.0, 1.0, cos)));
     }
@@ -177,6 +177,7 @@ fn the_test_would_see_a_wrong_density() {
         (metal(0.5, gold()), metal(0.51, gold())),
         (rough_glass(0.5, 1.5), rough_glass(0.51, 1.5)),
         (rough_glass(0.2, 1.5), rough_glass(0.2, 1.53)),
+        (tinted_metal(MicrofacetKind::Beckmann, [0.3, 0.5]), tinted_metal(MicrofacetKind::Beckmann, [0.3, 0.51])),
     ] {
         let from = direction(0.6, 1.0);
         let (p, _) = compare(&sampled, &stated, from, &cells(from, 0.5, 1.5), 7);

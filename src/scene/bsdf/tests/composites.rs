@@ -60,7 +60,7 @@ impl BsdfModel for Pinned {
 }
 
 /// Where u and v are a third, along tangents that are skewed.
-fn pinned(description: &BsdfDescription) -> Bsdf {
+pub(super) fn pinned(description: &BsdfDescription) -> Bsdf {
     let at = SurfacePoint {
         uv: DVec2::splat(1.0 / 3.0),
         tangents: [DVec3::X * 2.0, DVec3::new(0.3, 1.5, 0.0)],
@@ -89,6 +89,23 @@ fn shiny() -> Box<BsdfDescription> {
     Box::new(BsdfDescription::rough_conductor(Parameter::Texture(grey([0.1, 0.3, 0.2, 0.6])), gold()))
 }
 
+fn coloured() -> Arc<Texture> {
+    bitmap([[0.6, 0.4, 0.9, 1.0], [0.4, 0.5, 0.7, 1.0], [0.7, 0.3, 0.8, 1.0], [0.5, 0.9, 1.0, 1.0]])
+}
+
+/// Glass with grooves along v.
+fn brushed() -> BsdfDescription {
+    BsdfDescription::RoughDielectric {
+        distribution: MicrofacetKind::Beckmann,
+        alpha: Parameter::Texture(grey([0.8, 0.5, 0.6, 0.4])),
+        alpha_v: Some(Parameter::Texture(grey([0.1, 0.2, 0.2, 0.3]))),
+        interior_ior: 1.4,
+        exterior_ior: 1.0,
+        reflectance: Parameter::Texture(coloured()),
+        transmittance: Rgb::grey(0.5).into(),
+    }
+}
+
 fn mirror_and_matt() -> Box<BsdfDescription> {
     let mirror = Box::new(BsdfDescription::conductor(gold()));
     Box::new(BsdfDescription::Blend { weight: 0.4.into(), first: mirror, second: matt() })
@@ -104,6 +121,12 @@ pub(super) fn all() -> Vec<Bsdf> {
     let glass = || Box::new(BsdfDescription::dielectric(1.5, 1.0));
     let opacity = Parameter::Texture(grey([0.9, 0.3, 0.5, 0.6]));
     let bump = NormalSource::Bump { texture: grey([0.0, 0.4, 0.2, 0.1]), scale: 0.3 };
+    let pane = BsdfDescription::ThinDielectric {
+        interior_ior: 1.5,
+        exterior_ior: 1.0,
+        reflectance: Parameter::Texture(coloured()),
+        transmittance: Parameter::Texture(coloured()),
+    };
     [
         BsdfDescription::Null,
         *shiny(),
@@ -113,6 +136,9 @@ pub(super) fn all() -> Vec<Bsdf> {
         BsdfDescription::Mask { opacity: 0.7.into(), nested: glass() },
         BsdfDescription::Mask { opacity, nested: Box::new(BsdfDescription::TwoSided { front: matt(), back: matt() }) },
         BsdfDescription::Blend { weight: 0.25.into(), first: Box::new(BsdfDescription::Null), second: matt() },
+        BsdfDescription::Blend { weight: 0.3.into(), first: glass(), second: Box::new(pane.clone()) },
+        pane,
+        brushed(),
         turned(shiny()),
         turned(mirror_and_matt()),
         BsdfDescription::Perturbed { normal: bump, nested: shiny() },
@@ -124,7 +150,7 @@ pub(super) fn all() -> Vec<Bsdf> {
 
 /// Those whose parts are reciprocal: a turned normal is not.
 pub(super) fn reciprocal() -> Vec<Bsdf> {
-    all().into_iter().take(8).collect()
+    all().into_iter().take(11).collect()
 }
 
 #[test]

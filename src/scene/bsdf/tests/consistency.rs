@@ -11,6 +11,11 @@ fn all() -> Vec<Bsdf> {
         all.push(glass(ior));
         all.extend([1e-4, 0.1, 1.0].map(|alpha| rough_glass(alpha, ior)));
     }
+    for kind in [MicrofacetKind::Ggx, MicrofacetKind::Beckmann] {
+        all.extend([tinted_metal(kind, [1e-8, 1e-8]), tinted_metal(kind, [1e-4, 1.0])]);
+        all.extend([tinted_glass(kind, [1e-4, 1e-4], 1.5), tinted_glass(kind, [0.01, 2.0], 1.0 + 1e-9)]);
+    }
+    all.extend(others());
     all
 }
 

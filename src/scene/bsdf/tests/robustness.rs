@@ -39,6 +39,39 @@ fn fresnel() -> impl Strategy<Value = ConductorFresnel> {
     ]
 }
 
+fn kind() -> impl Strategy<Value = MicrofacetKind> {
+    prop_oneof![Just(MicrofacetKind::Ggx), Just(MicrofacetKind::Beckmann)]
+}
+
+fn any_other() -> impl Strategy<Value = BsdfDescription> {
+    let tint = || (0.0..=1.0_f64).prop_map(|t| Parameter::from(Rgb::new(t, 0.0, 1.0)));
+    prop_oneof![
+        (kind(), roughness(), roughness(), fresnel(), tint()).prop_map(|(distribution, u, v, fresnel, reflectance)| {
+            BsdfDescription::RoughConductor {
+                distribution,
+                alpha: u.into(),
+                alpha_v: Some(v.into()),
+                fresnel,
+                reflectance,
+            }
+        }),
+        (kind(), roughness(), roughness(), index(), index(), tint()).prop_map(
+            |(distribution, u, v, interior_ior, exterior_ior, reflectance)| BsdfDescription::RoughDielectric {
+                distribution,
+                alpha: u.into(),
+                alpha_v: Some(v.into()),
+                interior_ior,
+                exterior_ior,
+                reflectance,
+                transmittance: passes(),
+            }
+        ),
+        (index(), index(), tint()).prop_map(|(interior_ior, exterior_ior, reflectance)| {
+            BsdfDescription::ThinDielectric { interior_ior, exterior_ior, reflectance, transmittance: passes() }
+        }),
+    ]
+}
+
 fn any_bsdf() -> impl Strategy<Value = Bsdf> {
     prop_oneof![
         (0.0..=1.0_f64).prop_map(|r| BsdfDescription::Diffuse { reflectance: Rgb::new(r, 0.0, 1.0).into() }),
@@ -49,6 +82,7 @@ fn any_bsdf() -> impl Strategy<Value = Bsdf> {
         (roughness(), index(), index()).prop_map(|(alpha, interior_ior, exterior_ior)| {
             BsdfDescription::rough_dielectric(alpha, interior_ior, exterior_ior)
         }),
+        any_other(),
     ]
     .prop_map(|description| Bsdf::new(&description).unwrap())
 }

@@ -32,12 +32,13 @@ enum Points {
 impl Points {
     fn new(scene: &Scene, id: EmitterId) -> Option<Self> {
         match scene.emitter(id) {
-            Emitter::Mesh(_) | Emitter::Sphere(_) => {
+            Emitter::Mesh(_) | Emitter::Shape(_) => {
                 scene.surfaces()?.restricted(scene, |vertex| vertex.emitter() == Some(id)).map(Self::Surface)
             }
             Emitter::Environment(light) => Some(Self::Infinite { id, radius: light.sphere_radius }),
             Emitter::Directional(light) => Some(Self::Infinite { id, radius: light.sphere_radius }),
-            Emitter::Point(_) | Emitter::Spot(_) => None,
+            Emitter::EnvironmentMap(light) => Some(Self::Infinite { id, radius: light.sphere_radius }),
+            Emitter::Point(_) | Emitter::Spot(_) | Emitter::Projector(_) => None,
         }
     }
 
@@ -79,7 +80,7 @@ pub(super) fn checks(
     let middle = emitter.sample_emission(scene.accel(), [0.5; 5]).vertex.position;
     let mut checks = vec![first_edge(scene, emitter, points.as_ref(), middle, place, &what, n, random)];
     // Of points and parallel light there is nothing to draw.
-    let drawn = matches!(emitter, Emitter::Mesh(_) | Emitter::Sphere(_) | Emitter::Environment(_));
+    let drawn = emitter.is_surface() || emitter.is_environment();
     for &x1 in seen_from.iter().filter(|_| drawn) {
         let Some(points) = &points else { continue };
         let what = format!("{what} seen from {x1:.2}");

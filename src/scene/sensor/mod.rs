@@ -4,6 +4,9 @@
 //! over the lens) of the radiance that arrives. Walks from the sensor are drawn *per pixel*: their density is the one given
 //! j, so that `W_e^j / p` is one and n = 1 walk serves each pixel; light walks serve all pixels at once.
 
+#[cfg(test)]
+mod tests;
+
 use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
@@ -32,7 +35,10 @@ pub struct Sensor {
     right: DVec3,
     up: DVec3,
     forward: DVec3,
-    /// Half the extent of the image: at distance one (perspective), or in metres (orthographic).
+    /// Centre of the film's window in the image, towards right and up: at distance one (perspective), or in metres
+    /// (orthographic).
+    image_centre: DVec2,
+    /// Half the extent of the window, alike.
     half_extent: DVec2,
     kind: Kind,
 }
@@ -64,7 +70,7 @@ impl Sensor {
         let (half_extent, kind) = match description.projection {
             Projection::Perspective { vertical_fov, aspect, lens } => {
                 let half_height = libm::tan(0.5 * vertical_fov);
-                let aspect = aspect.unwrap_or(f64::from(film.width) / f64::from(film.height));
+                let aspect = aspect.unwrap_or_else(|| description.film_aspect(film));
                 let kind = lens.map_or(Kind::Pinhole, |lens| Kind::ThinLens {
                     radius: lens.aperture_radius,
                     focus_distance: lens.focus_distance,
@@ -78,12 +84,16 @@ impl Sensor {
             Projection::Window { half_width, half_height } => (DVec2::new(half_width, half_height), Kind::Window),
             Projection::Ray => (DVec2::ONE, Kind::Ray),
         };
+        let [first, last] = description.window;
+        let image_centre = (first + last - 1.0) * DVec2::new(1.0, -1.0) * half_extent;
+        let half_extent = (last - first) * half_extent;
         Self {
             film,
             position: description.position - centre,
             right: description.forward.cross(description.up),
             up: description.up,
             forward: description.forward,
+            image_centre,
             half_extent,
             kind,
         }
@@ -101,7 +111,7 @@ impl Sensor {
         match self.kind {
             Kind::Pinhole | Kind::Hemisphere | Kind::Ray => 0.0,
             Kind::ThinLens { radius, .. } => radius,
-            Kind::Orthographic | Kind::Window => self.half_extent.length(),
+            Kind::Orthographic | Kind::Window => self.image_centre.length() + self.half_extent.length(),
         }
     }
 
@@ -135,7 +145,7 @@ impl Sensor {
     pub fn sample(&self, pixel: Pixel, u: [f64; 4]) -> (Vertex, DVec3) {
         let raster = DVec2::new(f64::from(pixel.x) + u[0], f64::from(pixel.y) + u[1]);
         let size = DVec2::new(f64::from(self.film.width), f64::from(self.film.height));
-        let image = (raster / size * 2.0 - 1.0) * DVec2::new(1.0, -1.0) * self.half_extent;
+        let image = (raster / size * 2.0 - 1.0) * DVec2::new(1.0, -1.0) * self.half_extent + self.image_centre;
         let in_image = self.right * image.x + self.up * image.y;
         match self.kind {
             Kind::Pinhole => (self.vertex(self.position), (in_image + self.forward).normalize()),
@@ -235,7 +245,7 @@ impl Sensor {
                 (depth > 0.0).then_some(DirectSample { vertex, density: self.direct_density(from, &vertex) })
             }
             Kind::Window => {
-                let at = (DVec2::from_array(u) * 2.0 - 1.0) * self.half_extent;
+                let at = (DVec2::from_array(u) * 2.0 - 1.0) * self.half_extent + self.image_centre;
                 let vertex = self.vertex(self.position + self.right * at.x + self.up * at.y);
                 Some(DirectSample { vertex, density: self.direct_density(from, &vertex) })
             }
@@ -276,8 +286,8 @@ impl Sensor {
         let inside = match self.kind {
             Kind::ThinLens { radius, .. } => offset.length_squared() <= radius * radius,
             _ => {
-                let DVec2 { x, y } = self.half_extent;
-                offset.dot(self.right).abs() <= x && offset.dot(self.up).abs() <= y
+                let at = DVec2::new(offset.dot(self.right), offset.dot(self.up)) - self.image_centre;
+                at.abs().cmple(self.half_extent).all()
             }
         };
         (t > 0.0 && t < t_max && inside).then(|| self.vertex(position))
@@ -294,7 +304,7 @@ impl Sensor {
         self.right * local.x + self.up * local.y + self.forward * local.z
     }
 
-    /// Of the image \[m²\], for those that have one in the scene: orthographic films and windows.
+    /// Of the film's window \[m²\], for those that have one in the scene: orthographic films and windows.
     #[must_use]
     pub fn area(&self) -> f64 {
         4.0 * self.half_extent.x * self.half_extent.y
@@ -308,7 +318,7 @@ impl Sensor {
 
     #[inline]
     fn pixel_at(&self, image: DVec2) -> Option<Pixel> {
-        self.pixel_of((image / self.half_extent * DVec2::new(1.0, -1.0) + 1.0) * 0.5)
+        self.pixel_of(((image - self.image_centre) / self.half_extent * DVec2::new(1.0, -1.0) + 1.0) * 0.5)
     }
 
     /// The pixel at a point of the unit square.

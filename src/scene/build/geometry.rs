@@ -1,0 +1,182 @@
+//! The surfaces: triangles and analytic shapes relative to the centre, and where on them textures are.
+
+use std::collections::BTreeSet;
+
+use glam::{DMat3, DVec3, Vec2, Vec3};
+
+use crate::geometry::Bounds;
+use crate::scene::accel::{Accel, AnalyticShape, CylinderShape, DiskShape, SphereShape, Triangle};
+use crate::scene::description::{Cylinder, Disk, Mesh, Sphere};
+use crate::scene::mapping::{Mapping, Placement};
+use crate::scene::material::SurfaceMaterial;
+use crate::scene::texture::{Parameter, Texture};
+use crate::scene::{MaterialId, SceneDescription, Shape};
+
+use super::Builder;
+
+/// The shapes' numbers have this order: meshes, spheres, disks, cylinders.
+struct Analytic {
+    shape: AnalyticShape,
+    placement: Placement,
+}
+
+fn sphere(sphere: &Sphere, centre: DVec3, shape: u32) -> Analytic {
+    let Sphere { radius, axes, inward, .. } = *sphere;
+    let centre = sphere.centre - centre;
+    Analytic {
+        shape: AnalyticShape::Sphere(SphereShape { centre, radius, inward, shape }),
+        placement: Placement::new(centre, axes * radius),
+    }
+}
+
+fn disk(disk: &Disk, centre: DVec3, shape: u32) -> Analytic {
+    let [u, v] = disk.axes;
+    let centre = disk.centre - centre;
+    Analytic {
+        shape: AnalyticShape::Disk(Box::new(DiskShape::new(centre, disk.axes, disk.flipped, shape))),
+        placement: Placement::new(centre, DMat3::from_cols(u, v, u.cross(v).normalize())),
+    }
+}
+
+fn cylinder(cylinder: &Cylinder, centre: DVec3, shape: u32) -> Analytic {
+    let Cylinder { axis, radius, meridian, clockwise, inward, .. } = *cylinder;
+    let base = cylinder.base - centre;
+    let quarter = axis.normalize().cross(meridian) * radius;
+    let quarter = if clockwise { -quarter } else { quarter };
+    Analytic {
+        shape: AnalyticShape::Cylinder(Box::new(CylinderShape::new(base, axis, radius, inward, shape))),
+        placement: Placement::new(base, DMat3::from_cols(meridian * radius, quarter, axis)),
+    }
+}
+
+impl SceneDescription {
+    fn analytic(&self, centre: DVec3) -> Vec<Analytic> {
+        let first = self.meshes.len();
+        let numbered = |offset: usize, i: usize| (first + offset + i) as u32;
+        let Self { spheres, disks, cylinders, .. } = self;
+        let after_disks = spheres.len() + disks.len();
+        let spheres = spheres.iter().enumerate().map(|(i, s)| sphere(s, centre, numbered(0, i)));
+        let disks = disks.iter().enumerate().map(|(i, d)| disk(d, centre, numbered(self.spheres.len(), i)));
+        let cylinders = cylinders.iter().enumerate().map(|(i, c)| cylinder(c, centre, numbered(after_disks, i)));
+        spheres.chain(disks).chain(cylinders).collect()
+    }
+
+    /// Name and material of all shapes, in the order of their numbers.
+    pub(super) fn shape_materials(&self) -> impl Iterator<Item = (&String, usize)> {
+        let meshes = self.meshes.iter().map(|mesh| (&mesh.name, mesh.material));
+        let spheres = self.spheres.iter().map(|sphere| (&sphere.name, sphere.material));
+        let disks = self.disks.iter().map(|disk| (&disk.name, disk.material));
+        let cylinders = self.cylinders.iter().map(|cylinder| (&cylinder.name, cylinder.material));
+        meshes.chain(spheres).chain(disks).chain(cylinders)
+    }
+}
+
+impl Builder<'_> {
+    /// The primitives, the shading normals of the triangles' corners, and the old position of each triangle id.
+    pub(super) fn geometry(
+        &self,
+        analytic: &[AnalyticShape],
+        centre: DVec3,
+        radius: f64,
+    ) -> (Accel, Vec<[Vec3; 3]>, Vec<Option<u32>>) {
+        let smooth = self.description.meshes.iter().any(|m| m.normals.is_some());
+        let mut triangles = Vec::new();
+        let mut normals = Vec::new();
+        for (shape, mesh) in self.description.meshes.iter().enumerate() {
+            for indices in &mesh.triangles {
+                let corners = indices.map(|i| (mesh.positions[i as usize] - centre).as_vec3());
+                triangles.push(Triangle { corners, shape: shape as u32 });
+                if smooth {
+                    let normal = |i: u32| mesh.normals.as_ref().map_or(Vec3::ZERO, |n| n[i as usize].as_vec3());
+                    normals.push(indices.map(normal));
+                }
+            }
+        }
+        let (accel, order) = Accel::build(&triangles, analytic, radius);
+        let unused = [Vec3::ZERO; 3];
+        let normals = match smooth {
+            true => order.iter().map(|i| i.map_or(unused, |i| normals[i as usize])).collect(),
+            false => Vec::new(),
+        };
+        (accel, normals, order)
+    }
+
+    /// The analytic shapes and where they are, both in the order of the description.
+    pub(super) fn analytic(&self, centre: DVec3) -> (Vec<AnalyticShape>, Vec<Placement>) {
+        self.description.analytic(centre).into_iter().map(|a| (a.shape, a.placement)).unzip()
+    }
+
+    /// What the materials ask of the meshes' triangles, in the order of their ids, and of the analytic shapes.
+    pub(super) fn mapping(
+        &self,
+        accel: &Accel,
+        placements: &[Placement],
+        order: &[Option<u32>],
+        materials: &[SurfaceMaterial],
+    ) -> Mapping {
+        let first = self.description.meshes.len();
+        let placements = accel.analytic().iter().map(|a| placements[a.shape() as usize - first]).collect();
+        let asks = |mesh: &Mesh| {
+            let emission = &self.description.materials[mesh.material].emission;
+            materials[mesh.material].varies() || matches!(emission, Parameter::Texture(_))
+        };
+        if !self.description.meshes.iter().any(asks) {
+            return Mapping { placements, ..Mapping::default() };
+        }
+        let none = [Vec2::NAN; 3];
+        let corners = |mesh: &Mesh, triangle: usize| {
+            mesh.texcoords.as_ref().map_or(none, |all| mesh.triangles[triangle].map(|i| all[i as usize]))
+        };
+        let texcoords =
+            self.by_id(order, none, |mesh, triangle| if asks(mesh) { corners(mesh, triangle) } else { none });
+        let table = |name: &String| {
+            let missing = [[0.0, 0.0, 0.0, 1.0]; 3];
+            self.by_id(order, missing, |mesh, triangle| {
+                let attribute = mesh.attributes.iter().find(|attribute| attribute.name == *name);
+                attribute.map_or(missing, |attribute| attribute.corners(triangle, mesh.triangles[triangle]))
+            })
+        };
+        let attributes = self.attributes_asked_for().iter().map(|name| (name.clone(), table(name))).collect();
+        Mapping { texcoords, attributes, placements }
+    }
+
+    fn attributes_asked_for(&self) -> BTreeSet<String> {
+        let mut names = BTreeSet::new();
+        let mut see = |texture: &Texture| {
+            if let Texture::Attribute { name } = texture {
+                names.insert(name.clone());
+            }
+        };
+        for material in &self.description.materials {
+            material.bsdf.visit_textures(&mut see);
+            if let Some(texture) = material.emission.texture() {
+                texture.visit(&mut see);
+            }
+        }
+        names
+    }
+
+    /// A value for each triangle's id; `unused` where no triangle has it.
+    fn by_id<T: Copy>(&self, order: &[Option<u32>], unused: T, value: impl Fn(&Mesh, usize) -> T) -> Vec<T> {
+        let meshes = &self.description.meshes;
+        let in_order: Vec<T> = meshes
+            .iter()
+            .flat_map(|mesh| (0..mesh.triangles.len()).map(|i| value(mesh, i)).collect::<Vec<_>>())
+            .collect();
+        order.iter().map(|i| i.map_or(unused, |i| in_order[i as usize])).collect()
+    }
+
+    pub(super) fn shapes(&self) -> Vec<Shape> {
+        let materials = self.description.shape_materials();
+        materials.map(|(_, m)| Shape { material: MaterialId(m as u32), emitter: None }).collect()
+    }
+}
+
+pub(super) fn bounds(description: &SceneDescription) -> Bounds {
+    let meshes = description
+        .meshes
+        .iter()
+        .map(|m| Bounds::around(m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
+    let analytic = description.analytic(DVec3::ZERO).into_iter().map(|analytic| analytic.shape.bounds());
+    meshes.chain(analytic).fold(Bounds::EMPTY, Bounds::union)
+}
