@@ -51,11 +51,13 @@ def chosen(words: list[str], *, full: bool) -> list[Case]:
     if not words:
         return cases
     for word in words:
-        if not any(matches(word, case.name) for case in cases):
+        if not any(matches(word, case.name, cases) for case in cases):
             raise LookupError(f"no feature is called {word!r}")
-    return [case for case in cases if any(matches(word, case.name) for word in words)]
+    return [case for case in cases if any(matches(word, case.name, cases) for word in words)]
 
 
-def matches(word: str, name: str) -> bool:
-    """Tell whether a word names a case."""
+def matches(word: str, name: str, cases: list[Case]) -> bool:
+    """Tell whether a word names a case; a whole name names no other."""
+    if any(case.name == word for case in cases):
+        return name == word
     return name.startswith(word) or word in name.split("/", 1)[1]

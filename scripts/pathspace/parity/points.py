@@ -7,7 +7,7 @@ surfaces
     `position` of the hit, and `pairs`: `from` (towards the sensor), `to` (towards the emitter),
     `value`, the scattering function times the shading cosine of `to`, and `pdf` of drawing `to` per
     solid angle; `dirac`: the same for lobes of no width, `value` the weight times the probability
-    `pdf`.
+    `pdf`; `albedos`: `from`, `mean` and `error` (standard) of the weights of samples.
 seen
     Of `emitter`: `origin` and `direction` of a ray, and the `radiance` that comes along it.
 lights
@@ -33,6 +33,8 @@ GRID = 7
 HITS = 5
 FROM, TO = 6, 24
 """Directions at a hit: towards the sensor, and for each of them towards the emitter."""
+SAMPLES = 1000
+"""Samples of an albedo."""
 
 
 def write_points(path: Path, case: Case, scene: Any) -> None:  # noqa: ANN401
@@ -86,7 +88,7 @@ def surfaces(scene: Any) -> list[dict[str, Any]]:  # noqa: ANN401
     hits = [hits[len(hits) * i // HITS] for i in range(min(HITS, len(hits)))]
     context, found = mi.BSDFContext(), []
     for number, (ray, si) in enumerate(hits):
-        bsdf, pairs, dirac = si.bsdf(ray), [], []
+        bsdf, pairs, dirac, albedos = si.bsdf(ray), [], [], []
         for turn, towards in enumerate(sphere(FROM, 0.3 + number)):
             si.wi = si.to_local(mi.Vector3f(towards))
             for to in sphere(TO, 0.1 * turn + number):
@@ -95,9 +97,11 @@ def surfaces(scene: Any) -> list[dict[str, Any]]:  # noqa: ANN401
                     {"from": towards, "to": to, "value": numbers(value), "pdf": float(pdf)}
                 )
             dirac += [{"from": towards, **lobe} for lobe in lobes(bsdf, context, si)]
+            if turn % 2 == 0:
+                albedos.append({"from": towards, **albedo(bsdf, context, si)})
         place = {"origin": ray.o, "direction": ray.d, "position": si.p}
         place = {name: numbers(vector) for name, vector in place.items()}
-        found.append({**place, "pairs": pairs, "dirac": dirac})
+        found.append({**place, "pairs": pairs, "dirac": dirac, "albedos": albedos})
     return found
 
 
@@ -114,6 +118,18 @@ def lobes(bsdf: Any, context: Any, si: Any) -> list[dict[str, Any]]:  # noqa: AN
             entry = {"to": to, "value": value, "pdf": float(sample.pdf)}
             found[tuple(round(x, 4) for x in to)] = entry
     return list(found.values())
+
+
+def albedo(bsdf: Any, context: Any, si: Any) -> dict[str, Any]:  # noqa: ANN401
+    """Estimate what is scattered of all that goes out."""
+    import mitsuba as mi
+
+    random = np.random.RandomState(11).uniform(size=(SAMPLES, 3)).astype(np.float32).tolist()
+    weights = np.array(
+        [numbers(bsdf.sample(context, si, u, mi.Point2f(v, w))[1]) for u, v, w in random]
+    )
+    error = weights.std(axis=0, ddof=1) / np.sqrt(SAMPLES)
+    return {"mean": weights.mean(axis=0).tolist(), "error": error.tolist()}
 
 
 def seen(scene: Any) -> list[dict[str, Any]]:  # noqa: ANN401

@@ -18,8 +18,11 @@ use super::ParityArgs;
 use super::case::Case;
 use super::row::{ParityRow, Verdict};
 
-/// Probability that a report on faultless renderers has a failure.
-const SIGNIFICANCE: f64 = 1e-3;
+/// Probability that a report on faultless renderers has a failure; half of it for images, half for albedos.
+pub(super) const SIGNIFICANCE: f64 = 1e-3;
+
+/// Probability with which the detectable differences are found.
+pub(super) const POWER: f64 = 0.9;
 
 /// Our samples per pixel, where the effort is one; with --full.
 const SPP: [u64; 2] = [1024, 4096];
@@ -52,7 +55,8 @@ pub(super) fn compare(
     let has = |theirs: &str| case.integrators.iter().any(|name| name == theirs);
     let pairs: Vec<_> = pairs.iter().filter(|(_, theirs)| has(theirs)).collect();
     let tests = cases * PAIRS.len();
-    let settings = AgreementSettings { significance: SIGNIFICANCE / tests as f64, ..AgreementSettings::default() };
+    let significance = 0.5 * SIGNIFICANCE / tests as f64;
+    let settings = AgreementSettings { significance, power: POWER, ..AgreementSettings::default() };
     let size = scene.sensor().film();
     let mut rows = Vec::new();
     for &&(ours, theirs) in &pairs {

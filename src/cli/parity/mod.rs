@@ -1,5 +1,6 @@
 //! `parity`: is each feature of a scene what it is in Mitsuba.
 
+mod albedo;
 mod case;
 mod images;
 mod mitsuba;
@@ -34,7 +35,8 @@ Each feature is a small scene in Mitsuba's XML, which both programs read and ren
   image   independent passes of both, by Welch's test for the whole image and for each block of 16 × 16 pixels and channel, with
           a correction for all tests of all features: one report in 1000 on faultless renderers has a failure
   values  what Mitsuba's Python interface says of BSDFs, emitters and sensors for given directions, in single precision: ours must
-          be within what rounding explains, which is derived for each value from how it changes with its directions
+          be within what rounding explains, which is derived for each value from how it changes with its directions; and albedos
+          by both programs' samples, within their standard errors
 Features are named by how GROUP/FEATURE begins (bsdf, texture, emitter, sensor, shape, filter), or by a part of FEATURE. Those
 that one of the two programs cannot read are missing.
 DIR gets parity.csv (all comparisons), the same as parity.md, parity.html (a page with the images), and in GROUP/FEATURE the
@@ -173,7 +175,7 @@ fn compare(registry: &Registry, args: &ParityArgs, case: &Case, cases: usize) ->
     };
     let folder = args.output.join(&case.name);
     let mut rows = images::compare(registry, &scene, case, &folder, args, cases)?;
-    rows.extend(points::compare(&scene, case, &folder)?);
+    rows.extend(points::compare(&scene, case, &folder, args, cases)?);
     Ok(rows)
 }
 

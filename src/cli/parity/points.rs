@@ -16,6 +16,8 @@ use crate::scene::bsdf::Side;
 use crate::scene::sensor::Pixel;
 use crate::scene::{EmitterId, Scene};
 
+use super::ParityArgs;
+use super::albedo::{Albedo, Albedos};
 use super::case::Case;
 use super::row::{ParityRow, Verdict};
 
@@ -48,6 +50,7 @@ struct SurfacePoint {
     position: DVec3,
     pairs: Vec<Pair>,
     dirac: Vec<Pair>,
+    albedos: Vec<Albedo>,
 }
 
 #[derive(Debug, Deserialize)]
@@ -90,12 +93,18 @@ struct SensorRay {
     direction: DVec3,
 }
 
-fn vector<'de, D: Deserializer<'de>>(deserializer: D) -> Result<DVec3, D::Error> {
+pub(super) fn vector<'de, D: Deserializer<'de>>(deserializer: D) -> Result<DVec3, D::Error> {
     Ok(<[f64; 3]>::deserialize(deserializer)?.into())
 }
 
 /// All that is compared of a case.
-pub(super) fn compare(scene: &Scene, case: &Case, folder: &Path) -> anyhow::Result<Vec<ParityRow>> {
+pub(super) fn compare(
+    scene: &Scene,
+    case: &Case,
+    folder: &Path,
+    args: &ParityArgs,
+    cases: usize,
+) -> anyhow::Result<Vec<ParityRow>> {
     let path = folder.join("points.json");
     if !path.is_file() {
         return Ok(Vec::new());
@@ -104,8 +113,12 @@ pub(super) fn compare(scene: &Scene, case: &Case, folder: &Path) -> anyhow::Resu
         .map_err(|error| anyhow!("{}: {error}; run again", path.display()))?;
     let mut comparisons =
         [Worst::new("hits"), Worst::new("eval"), Worst::new("pdf"), Worst::new("dirac"), Worst::new("dirac-pdf")];
+    let mut albedos = Albedos::default();
     for point in &points.surfaces {
         surface(scene, case, point, &mut comparisons);
+        if let Some(vertex) = scene.trace(&start(scene, point.origin), point.direction) {
+            point.albedos.iter().for_each(|albedo| albedos.add(scene, &vertex, albedo, args.seed));
+        }
     }
     let mut others = [Worst::new("radiance"), Worst::new("light"), Worst::new("light-pdf"), Worst::new("rays")];
     let brightest = largest(points.seen.iter().map(|seen| &seen.radiance));
@@ -133,7 +146,8 @@ pub(super) fn compare(scene: &Scene, case: &Case, folder: &Path) -> anyhow::Resu
         others[3].add(&ours, &[ray.film[0], ray.film[1], c, d], &theirs, ARITHMETIC * ray.origin.length(), what);
     }
     let all = comparisons.into_iter().chain(others);
-    Ok(all.filter(|worst| worst.values > 0).map(|worst| worst.row(case)).collect())
+    let rows = all.filter(|worst| worst.values > 0).map(|worst| worst.row(case));
+    Ok(rows.chain(albedos.row(case, cases)).collect())
 }
 
 fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [Worst; 5]) {

@@ -27,7 +27,7 @@ pub(super) fn table(rows: &[ParityRow]) -> String {
 
 fn line(rows: &[ParityRow], verdict: Verdict) -> String {
     let worst = |images: bool| {
-        let of_kind = rows.iter().filter(move |row| row.difference.is_some() == images);
+        let of_kind = rows.iter().filter(move |row| row.comparison.contains('/') == images);
         of_kind.max_by(|a, b| a.verdict.cmp(&b.verdict).then(surprise(a).total_cmp(&surprise(b))))
     };
     let percent = |value: Option<f64>| value.map_or_else(String::new, |value| number(100.0 * value));
