@@ -22,7 +22,7 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = film_size)]
     pub film: Option<FilmSize>,
 
-    /// Camera by name, by its node's name, or by number from 0 [default: the file's first; one that frames the scene if
+    /// Camera by name, by its node's name or id, or by number from 0 [default: the file's first; one that frames the scene if
     /// there is none]
     #[arg(long, value_name = "NAME")]
     pub camera: Option<String>,
@@ -31,6 +31,25 @@ pub(crate) struct SceneArgs {
     /// points up (EXR, HDR, PNG, JPEG) [default: the scene's]
     #[arg(long, value_name = "R,G,B|GREY|FILE", value_parser = environment)]
     pub environment: Option<EnvironmentChoice>,
+
+    #[command(flatten)]
+    pub defined: ParameterArgs,
+}
+
+/// Values of a scene's parameters.
+#[derive(Clone, Debug, Default, Args)]
+pub(crate) struct ParameterArgs {
+    /// Value of a parameter of a Mitsuba scene, `$NAME` in the file. May be repeated [default: the file's]
+    #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parameter)]
+    pub parameters: Vec<(String, String)>,
+}
+
+/// `NAME=VALUE`.
+fn parameter(text: &str) -> Result<(String, String), String> {
+    match text.split_once('=') {
+        Some((name, value)) if !name.trim().is_empty() => Ok((name.trim().into(), value.into())),
+        _ => Err("expected NAME=VALUE, for example max_depth=8".into()),
+    }
 }
 
 /// A whole number of edges from 1 on, or `none`.

@@ -18,7 +18,7 @@ use super::scene::{self, LoadOptions};
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  pathspace export cornell_box /tmp/cornell_box")]
 pub(super) struct ExportArgs {
-    /// A .gltf or .glb file, a folder with one, or the name of a folder in scenes/
+    /// A .gltf, .glb or Mitsuba .xml file, a folder with one, or the name of a folder in scenes/
     scene: PathBuf,
 
     /// Folder to write into; made where it is missing
@@ -38,8 +38,9 @@ pub(super) struct ExportArgs {
 }
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let SceneArgs { film, camera, environment } = args.take.clone();
-    let options = LoadOptions { camera, film, environment, ..LoadOptions::default() };
+    let SceneArgs { film, camera, environment, defined } = args.take.clone();
+    let parameters = defined.parameters;
+    let options = LoadOptions { camera, film, environment, parameters, ..LoadOptions::default() };
     let loaded = scene::load(&args.scene, &options)?;
     scene::show(&loaded.notes);
     let options = ExportOptions {

@@ -14,7 +14,7 @@ use crate::scene::description::{FilmSize, Projection};
 use crate::scene::meter::{Aim, Meter, NamedMeter};
 use crate::scene::{Scene, SceneDescription, SceneOptions};
 
-use super::args::{self, MaxLength};
+use super::args::{self, MaxLength, ParameterArgs};
 use super::scene::{self, LoadOptions};
 use super::{Outcome, UsageError, complain};
 
@@ -42,7 +42,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct MeasureArgs {
-    /// A .gltf or .glb file, a folder with one, or the name of a folder in scenes/
+    /// A .gltf, .glb or Mitsuba .xml file, a folder with one, or the name of a folder in scenes/
     scene: PathBuf,
 
     /// What to measure, and where, or the name of one of the scene's sensors; may be repeated [default: all of the scene's]
@@ -52,6 +52,9 @@ pub(super) struct MeasureArgs {
     /// Integrators, with settings if you like; may be repeated [default: path]
     #[arg(short, long = "integrator", value_name = "NAME[:setting=value…]")]
     integrators: Vec<String>,
+
+    #[command(flatten)]
+    defined: ParameterArgs,
 
     /// Samples in all, at least
     #[arg(long, value_name = "N", default_value_t = 1_000_000, value_parser = clap::value_parser!(u64).range(64..))]
@@ -90,7 +93,9 @@ pub(super) fn run(registry: &Registry, args: &MeasureArgs) -> anyhow::Result<Out
     if !(args.confidence > 0.0 && args.confidence < 1.0) {
         return Err(usage(format!("--confidence {}: expected a probability between 0 and 1", args.confidence)));
     }
-    let description = scene::load(&args.scene, &LoadOptions::default())?.description;
+    let parameters = args.defined.parameters.clone();
+    let options = LoadOptions { parameters, ..LoadOptions::default() };
+    let description = scene::load(&args.scene, &options)?.description;
     let asked = asked(&args.sensors, &description)?;
     let mut measurements = Vec::new();
     for asked in &asked {

@@ -72,7 +72,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct PathsArgs {
-    /// A .gltf or .glb file, a folder with one, or the name of a folder in scenes/
+    /// A .gltf, .glb or Mitsuba .xml file, a folder with one, or the name of a folder in scenes/
     scene: PathBuf,
 
     /// Pixel by column and row from the top left; may be repeated [default: all, row by row]
@@ -142,8 +142,9 @@ impl PathsArgs {
 }
 
 pub(super) fn run(registry: &Registry, args: &PathsArgs) -> anyhow::Result<Outcome> {
-    let SceneArgs { film, camera, environment } = args.take.clone();
-    let options = LoadOptions { camera, film, environment, light_selection: args.light_selection };
+    let SceneArgs { film, camera, environment, defined } = args.take.clone();
+    let (light_selection, parameters) = (args.light_selection, defined.parameters);
+    let options = LoadOptions { camera, film, environment, light_selection, parameters };
     let loaded = scene::load(&args.scene, &options)?;
     let scene = &loaded.scene;
     let method = method::build(registry, args.integrator.as_deref(), args.max_length, scene)?;

@@ -39,7 +39,7 @@ const DEFAULT_SPP: u64 = 64;
 #[derive(Debug, Args)]
 #[command(after_help = EXAMPLES)]
 pub(super) struct RenderArgs {
-    /// A .gltf or .glb file, a folder with one, or the name of a folder in scenes/
+    /// A .gltf, .glb or Mitsuba .xml file, a folder with one, or the name of a folder in scenes/
     scene: PathBuf,
 
     /// Integrator, with settings if you like; `pathspace list` shows them [default: path]
@@ -109,6 +109,9 @@ struct RunSettings {
     integrator: BTreeMap<String, String>,
     light_selection: LightSelection,
     camera: Option<String>,
+    /// Of the scene.
+    #[serde(default)]
+    parameters: BTreeMap<String, String>,
     /// See [`scene::fingerprint`].
     scene: String,
 }
@@ -176,6 +179,7 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
         integrator: method.settings.clone(),
         light_selection: light_selection_of(args, resumed.as_ref()),
         camera: camera_of(args, resumed.as_ref()),
+        parameters: loaded.description.parameters.clone(),
         scene: scene::fingerprint(&loaded.description),
     };
     let mut info = RenderInfo {
@@ -222,6 +226,12 @@ fn camera_of(args: &RenderArgs, resumed: Option<&Resumed>) -> Option<String> {
     args.take.camera.clone().or_else(|| resumed.and_then(|r| r.settings.camera.clone()))
 }
 
+/// Those of the image that is gone on with, and what the command line says instead.
+fn parameters_of(args: &RenderArgs, resumed: Option<&Resumed>) -> Vec<(String, String)> {
+    let resumed = resumed.map(|r| r.settings.parameters.clone()).unwrap_or_default();
+    resumed.into_iter().chain(args.take.defined.parameters.clone()).collect()
+}
+
 fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<LoadedScene> {
     let size = resumed.map(|r| FilmSize { width: r.film.width(), height: r.film.height() });
     let options = LoadOptions {
@@ -229,6 +239,7 @@ fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<Lo
         film: args.take.film.or(size),
         environment: args.take.environment.clone(),
         light_selection: light_selection_of(args, resumed),
+        parameters: parameters_of(args, resumed),
     };
     scene::load(&args.scene, &options)
 }

@@ -9,9 +9,12 @@ use xxhash_rust::xxh3::Xxh3Default;
 use super::args::EnvironmentChoice;
 use crate::names::did_you_mean;
 use crate::scene::description::{EnvironmentDescription, FilmSize};
-use crate::scene::gltf::{self, ReadOptions};
+use crate::scene::gltf;
+use crate::scene::mitsuba::read as xml;
 use crate::scene::texture::{self, Bitmap, Filter, Wrap};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
+
+use super::UsageError;
 
 /// A scene in both forms, and what was decided for the user.
 #[derive(Debug)]
@@ -35,6 +38,8 @@ pub(crate) struct LoadOptions {
     pub environment: Option<EnvironmentChoice>,
     /// How emitters are chosen.
     pub light_selection: LightSelection,
+    /// Values of the parameters of an XML scene.
+    pub parameters: Vec<(String, String)>,
 }
 
 /// Reads and builds the scene that the user calls `word`: a file, a folder, or the name of a folder in `scenes/`.
@@ -43,7 +48,7 @@ pub(crate) struct LoadOptions {
 /// One line that names the file, the place in it, and what to do.
 pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedScene> {
     let file = find(word)?;
-    let mut description = gltf::read_with(&file, &ReadOptions { camera: options.camera.clone() })?;
+    let mut description = read(&file, options)?;
     if let Some(choice) = &options.environment {
         description.environment = Some(environment(choice)?);
     }
@@ -54,6 +59,19 @@ pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedS
     }
     description.film = Some(scene.sensor().film());
     Ok(LoadedScene { description, scene, notes })
+}
+
+/// By its ending: Mitsuba's format, or glTF.
+fn read(file: &Path, options: &LoadOptions) -> anyhow::Result<SceneDescription> {
+    let camera = options.camera.clone();
+    if file.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml")) {
+        let parameters = options.parameters.clone();
+        return Ok(xml::read_with(file, &xml::ReadOptions { camera, parameters })?);
+    }
+    if let Some((name, _)) = options.parameters.first() {
+        bail!(UsageError(format!("-D {name}: {} is no .xml file and has no parameters", file.display())));
+    }
+    Ok(gltf::read_with(file, &gltf::ReadOptions { camera })?)
 }
 
 fn environment(choice: &EnvironmentChoice) -> anyhow::Result<EnvironmentDescription> {
@@ -101,16 +119,20 @@ fn find(word: &Path) -> anyhow::Result<PathBuf> {
 }
 
 fn in_folder(folder: &Path) -> anyhow::Result<PathBuf> {
-    if let Some(file) = ["scene.gltf", "scene.glb"].iter().map(|name| folder.join(name)).find(|file| file.is_file()) {
+    if let Some(file) =
+        ["scene.gltf", "scene.glb", "scene.xml"].iter().map(|name| folder.join(name)).find(|file| file.is_file())
+    {
         return Ok(file);
     }
     let entries = fs::read_dir(folder).map_err(|error| anyhow!("{}: cannot be read: {error}", folder.display()))?;
-    let is_scene = |file: &PathBuf| file.extension().is_some_and(|e| e == "gltf" || e == "glb");
+    let is_scene = |file: &PathBuf| file.extension().is_some_and(|e| e == "gltf" || e == "glb" || e == "xml");
     let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).filter(is_scene).collect();
     match (files.pop(), files.is_empty()) {
         (Some(file), true) => Ok(file),
         (Some(_), false) => bail!("{}: holds several scenes and none is called scene.gltf; name one", folder.display()),
-        (None, _) => bail!("{}: holds no scene; name a .gltf or .glb file, or a folder with one", folder.display()),
+        (None, _) => {
+            bail!("{}: holds no scene; name a .gltf, .glb or .xml file, or a folder with one", folder.display())
+        }
     }
 }
 

@@ -31,7 +31,7 @@ Examples:
 #[derive(Debug, Args)]
 #[command(name = "whatif", after_help = AFTER_HELP)]
 pub(super) struct WhatIfArgs {
-    /// A .gltf or .glb file, a folder with one, or the name of a folder in scenes/
+    /// A .gltf, .glb or Mitsuba .xml file, a folder with one, or the name of a folder in scenes/
     scene: PathBuf,
 
     /// What draws the paths: names joined by +, settings in parentheses; `pathspace list` shows them. Settings of `mis` may
@@ -60,6 +60,7 @@ pub(super) fn run(registry: &Registry, args: &WhatIfArgs) -> anyhow::Result<Outc
         camera: args.take.camera.clone(),
         film: args.take.film,
         environment: args.take.environment.clone(),
+        parameters: args.take.defined.parameters.clone(),
         ..LoadOptions::default()
     };
     let loaded = scene::load(&args.scene, &options)?;

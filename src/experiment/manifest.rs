@@ -71,7 +71,7 @@ pub struct Manifest {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SceneEntry {
-    /// A .gltf or .glb file, a folder with one, or the name of a folder in scenes/.
+    /// A .gltf, .glb or Mitsuba .xml file, a folder with one, or the name of a folder in scenes/.
     pub file: PathBuf,
     /// Its name in tables; the scene's own where there is none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -79,6 +79,9 @@ pub struct SceneEntry {
     /// A camera by name or number.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub camera: Option<String>,
+    /// Values of the parameters of a Mitsuba scene; in a resolved experiment all of them.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, String>,
     /// Size of the image, `WIDTHxHEIGHT`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub film: Option<String>,

@@ -123,6 +123,8 @@ impl Plan {
         }
         for (StringOr(entry), subject) in manifest.scenes.iter_mut().zip(subjects) {
             entry.name.get_or_insert_with(|| subject.scene.name().to_owned());
+            // A default that changes in the file must not change the experiment.
+            entry.parameters.clone_from(&subject.description.parameters);
         }
         let names = manifest.scenes.iter().filter_map(|entry| entry.name.as_deref());
         refuse_twins("scene", names)?;

@@ -53,6 +53,20 @@ pub enum SceneError {
         /// What to do.
         remedy: String,
     },
+    /// An XML file says what cannot be, or needs what does not exist here.
+    #[error("{}:{line}: {}: {}; {}", self::line(file), plain(element), plain(problem), plain(remedy))]
+    InXml {
+        /// The file, which may be one that the scene includes.
+        file: PathBuf,
+        /// Its line, from 1 on.
+        line: u32,
+        /// The element, `<float name="alpha">`.
+        element: String,
+        /// What is wrong.
+        problem: String,
+        /// What to do.
+        remedy: String,
+    },
 }
 
 fn line(file: &Path) -> String {

@@ -9,7 +9,7 @@ use std::time::Instant;
 
 use clap::Args;
 
-use super::args::MaxLength;
+use super::args::{MaxLength, ParameterArgs};
 use crate::estimator::Registry;
 use crate::experiment::{
     self, Budget, ExperimentError, Folder, MITSUBA, Made, Manifest, Mitsuba, Plan, ReferencePolicy, Renderers, Report,
@@ -55,7 +55,7 @@ const MITSUBA_METHODS: [&str; 2] = ["mitsuba:path", "mitsuba:ptracer"];
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct CompareArgs {
-    /// .gltf or .glb files, folders with one, or names of folders in scenes/; or a manifest, exp.toml
+    /// .gltf, .glb or Mitsuba .xml files, folders with one, or names of folders in scenes/; or a manifest, exp.toml
     #[arg(required = true)]
     scenes: Vec<PathBuf>,
 
@@ -94,6 +94,9 @@ pub(super) struct CompareArgs {
     /// Image size in pixels [default: each scene's]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = args::film_size)]
     film: Option<FilmSize>,
+
+    #[command(flatten)]
+    defined: ParameterArgs,
 
     /// What errors are measured against: an EXR file, or none [default: what each scene names]
     #[arg(long, value_name = "FILE.exr|none")]
@@ -219,6 +222,7 @@ fn from_file(file: &Path, args: &CompareArgs) -> anyhow::Result<Manifest> {
         ("--max-length", args.max_length.is_some()),
         ("--light-selection", args.light_selection.is_some()),
         ("--film", args.film.is_some()),
+        ("-D", !args.defined.parameters.is_empty()),
         ("--reference", args.reference.is_some()),
         ("--metrics", !args.metrics.is_empty()),
     ];
@@ -252,7 +256,12 @@ fn from_flags(files: &[PathBuf], args: &CompareArgs) -> anyhow::Result<Manifest>
         return Err(UsageError("--reference FILE serves one scene; compare the others apart".into()).into());
     }
     let film = args.film.map(|film| format!("{}x{}", film.width, film.height));
-    let scene = |file: &PathBuf| SceneEntry { file: file.clone(), film: film.clone(), ..SceneEntry::default() };
+    let scene = |file: &PathBuf| SceneEntry {
+        file: file.clone(),
+        film: film.clone(),
+        parameters: args.defined.parameters.iter().cloned().collect(),
+        ..SceneEntry::default()
+    };
     let methods = args.methods.iter().map(|method| method.trim());
     let mut manifest = Manifest::new(files.iter().map(scene).collect(), methods);
     let default = manifest.budget;
@@ -312,7 +321,9 @@ fn load_all(manifest: &Manifest) -> anyhow::Result<Vec<Subject>> {
         let film = film.map_err(|expected| UsageError(format!("film of {}: {expected}", entry.file.display())))?;
         let camera = entry.camera.clone();
         let light_selection = manifest.light_selection;
-        load(&entry.file, &LoadOptions { film, camera, light_selection, ..LoadOptions::default() })
+        let parameters = entry.parameters.clone().into_iter().collect();
+        let options = LoadOptions { film, camera, light_selection, parameters, ..LoadOptions::default() };
+        load(&entry.file, &options)
     };
     manifest.scenes.iter().map(|entry| load(entry)).collect()
 }

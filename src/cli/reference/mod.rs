@@ -14,7 +14,7 @@ use crate::experiment::cache::{Cache, Kept, Until, Wanted, default_folder};
 use crate::experiment::{MITSUBA, Manifest, Mitsuba, Plan, SceneEntry, Subject};
 use crate::scene::description::FilmSize;
 
-use super::args::{self, MaxLength};
+use super::args::{self, MaxLength, ParameterArgs};
 use super::compare::{load, usage};
 use super::scene::LoadOptions;
 use super::{Outcome, UsageError, complain, interrupt};
@@ -48,7 +48,7 @@ Exit code 3: references of two methods are of different images.";
 #[derive(Debug, Args)]
 #[command(after_help = AFTER_HELP)]
 pub(super) struct ReferenceArgs {
-    /// .gltf or .glb file, folder with one, or name of a folder in scenes/
+    /// .gltf, .glb or Mitsuba .xml file, folder with one, or name of a folder in scenes/
     scene: PathBuf,
 
     /// Integrator with settings, name:key=value:…, or mitsuba:path, mitsuba:ptracer
@@ -83,6 +83,9 @@ pub(super) struct ReferenceArgs {
     #[arg(long)]
     camera: Option<String>,
 
+    #[command(flatten)]
+    defined: ParameterArgs,
+
     /// Image size in pixels [default: the scene's]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = args::film_size)]
     film: Option<FilmSize>,
@@ -109,7 +112,12 @@ pub(super) fn run(registry: &Registry, args: &ReferenceArgs) -> anyhow::Result<O
         }
         crate::film::check_writable(output)?;
     }
-    let options = LoadOptions { film: args.film, camera: args.camera.clone(), ..LoadOptions::default() };
+    let options = LoadOptions {
+        film: args.film,
+        camera: args.camera.clone(),
+        parameters: args.defined.parameters.clone(),
+        ..LoadOptions::default()
+    };
     let subject = load(&args.scene, &options)?;
     let mut manifest = Manifest::new(vec![SceneEntry::from(args.scene.display().to_string())], [method]);
     manifest.max_length = args.max_length;

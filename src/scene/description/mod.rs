@@ -8,6 +8,7 @@ mod material;
 mod sensor;
 mod shape;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -53,6 +54,8 @@ pub struct SceneDescription {
     pub render: RenderHints,
     /// The image that its errors are measured against.
     pub reference: Option<Reference>,
+    /// Values of the file's parameters that were used, where its format has such.
+    pub parameters: BTreeMap<String, String>,
     /// What the reader took differently from what the file says; each a sentence for the user.
     pub warnings: Vec<String>,
 }

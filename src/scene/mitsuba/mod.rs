@@ -1,10 +1,12 @@
-//! The same scene for Mitsuba 3 (3.9.1): an XML file, one binary PLY file per mesh, and the images of textures.
+//! Scenes of Mitsuba 3 (3.9.1). [`read`] takes them as they are; [`export`] writes the same scene for Mitsuba: an XML
+//! file, one binary PLY file per mesh, and the images of textures.
 
 mod error;
 mod export;
 mod light;
 mod material;
 mod ply;
+pub mod read;
 mod sensor;
 mod shape;
 mod texture;

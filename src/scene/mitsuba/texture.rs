@@ -124,8 +124,10 @@ fn with_to_uv(element: Element, to_uv: &DAffine2) -> Element {
         return element;
     }
     let (m, t) = (to_uv.matrix2, to_uv.translation);
-    let rows = [m.x_axis.x, m.y_axis.x, t.x, m.x_axis.y, m.y_axis.y, t.y, 0.0, 0.0, 1.0];
-    let value = rows.map(|x| format!("{x:?}")).join(" ");
+    // Of a matrix of nine numbers Mitsuba would drop the translation.
+    let rows = [[m.x_axis.x, m.y_axis.x, 0.0, t.x], [m.x_axis.y, m.y_axis.y, 0.0, t.y], [0.0, 0.0, 1.0, 0.0]];
+    let rows = rows.as_flattened().iter().chain(&[0.0, 0.0, 0.0, 1.0]);
+    let value = rows.map(|x| format!("{x:?}")).collect::<Vec<_>>().join(" ");
     element.child(Element::new("transform").with("name", "to_uv").child(Element::new("matrix").with("value", value)))
 }
 
