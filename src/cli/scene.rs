@@ -71,7 +71,7 @@ fn read(file: &Path, options: &LoadOptions) -> anyhow::Result<SceneDescription> 
     if let Some((name, _)) = options.parameters.first() {
         bail!(UsageError(format!("-D {name}: {} is no .xml file and has no parameters", file.display())));
     }
-    Ok(gltf::read_with(file, &gltf::ReadOptions { camera })?)
+    Ok(gltf::read_with(file, &gltf::ReadOptions { camera, ..gltf::ReadOptions::default() })?)
 }
 
 fn environment(choice: &EnvironmentChoice) -> anyhow::Result<EnvironmentDescription> {

@@ -77,7 +77,9 @@ impl Composite {
             }
             leaf => {
                 let bsdf = Bsdf::new(leaf)?;
-                if leaf.textures().is_empty() {
+                // glTF turns its anisotropy by where v goes.
+                let turned = matches!(leaf, BsdfDescription::Gltf(gltf) if gltf.anisotropy.is_some());
+                if leaf.textures().is_empty() && !turned {
                     Self::Leaf(bsdf)
                 } else {
                     Self::Textured(Box::new(TexturedLeaf { description: leaf.clone(), example: bsdf }))
@@ -189,6 +191,7 @@ impl BsdfDescription {
             } => {
                 vec![texture]
             }
+            Self::Gltf(gltf) => gltf.textures(),
             Self::Null | Self::TwoSided { .. } => Vec::new(),
         }
     }

@@ -4,9 +4,10 @@ use thiserror::Error;
 
 use super::fresnel::Interface;
 use super::{
-    Bsdf, Conductor, Dielectric, Diffuse, Microfacets, RoughConductor, RoughDielectric, ThinDielectric, Tints,
+    Bsdf, Conductor, Dielectric, Diffuse, Gltf, Microfacets, RoughConductor, RoughDielectric, ThinDielectric, Tints,
+    gltf,
 };
-use crate::scene::description::{BsdfDescription, ConductorFresnel, MicrofacetKind};
+use crate::scene::description::{BsdfDescription, ConductorFresnel, GltfDescription, MicrofacetKind};
 use crate::scene::texture::{Parameter, SurfacePoint, clamped};
 use crate::spectrum::Rgb;
 
@@ -68,6 +69,7 @@ trait Source {
     fn alpha(&mut self, parameter: &'static str, of: &Parameter<f64>, smooth: Smooth) -> f64;
     fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface;
     fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel;
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf;
 
     fn tints(&mut self, reflectance: &Parameter<Rgb>, transmittance: &Parameter<Rgb>) -> Tints {
         Tints {
@@ -121,6 +123,11 @@ impl Source for Checked {
     fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel {
         self.take(checked_fresnel(fresnel), ConductorFresnel::Tint { specular_tint: Rgb::BLACK })
     }
+
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf {
+        self.take(gltf::check(description), ());
+        Gltf::typical(description)
+    }
 }
 
 impl Source for &SurfacePoint<'_> {
@@ -138,6 +145,10 @@ impl Source for &SurfacePoint<'_> {
 
     fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel {
         fresnel.clone()
+    }
+
+    fn gltf(&mut self, description: &GltfDescription) -> Gltf {
+        Gltf::at(description, self)
     }
 }
 
@@ -207,6 +218,7 @@ impl Bsdf {
                 let interface = source.interface(*interior_ior, *exterior_ior);
                 rough_dielectric(*distribution, alphas, interface, source.tints(reflectance, transmittance))
             }
+            BsdfDescription::Gltf(gltf) => Self::Gltf(Box::new(source.gltf(gltf))),
             BsdfDescription::Plastic { .. }
             | BsdfDescription::RoughPlastic { .. }
             | BsdfDescription::Principled(_)
@@ -258,7 +270,7 @@ fn checked_fresnel(fresnel: &ConductorFresnel) -> Result<ConductorFresnel, Mater
     Ok(fresnel.clone())
 }
 
-fn share(parameter: &'static str, value: Rgb) -> Result<Rgb, MaterialError> {
+pub(super) fn share(parameter: &'static str, value: Rgb) -> Result<Rgb, MaterialError> {
     channels(parameter, value, 1.0, "0 … 1")
 }
 

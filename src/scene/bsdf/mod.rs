@@ -9,6 +9,7 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
+mod gltf;
 mod material;
 mod microfacet;
 mod perturbed;
@@ -29,6 +30,7 @@ pub(crate) use composite::{Composite, CompositeAt};
 pub use conductor::{Conductor, RoughConductor};
 pub use dielectric::{Dielectric, Tints};
 pub use diffuse::Diffuse;
+pub use gltf::Gltf;
 pub use material::MaterialError;
 pub use microfacet::{Beckmann, Ggx, Microfacets};
 pub use rough_dielectric::RoughDielectric;
@@ -159,6 +161,8 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// Glass with microfacets.
     RoughDielectric(RoughDielectric),
+    /// glTF's own.
+    Gltf(Box<Gltf>),
     /// A research model from outside.
     Custom(Arc<dyn BsdfModel>),
 }
@@ -172,6 +176,7 @@ macro_rules! dispatch {
             Bsdf::Dielectric($model) => $answer,
             Bsdf::ThinDielectric($model) => $answer,
             Bsdf::RoughDielectric($model) => $answer,
+            Bsdf::Gltf($model) => $answer,
             Bsdf::Custom($model) => $answer,
         }
     };
@@ -189,6 +194,7 @@ impl Bsdf {
             Self::Dielectric(model) => model,
             Self::ThinDielectric(model) => model,
             Self::RoughDielectric(model) => model,
+            Self::Gltf(model) => model.as_ref(),
         }
     }
 

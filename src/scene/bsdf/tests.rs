@@ -6,6 +6,7 @@ mod chi2;
 mod composites;
 mod consistency;
 mod energy;
+mod gltf;
 mod robustness;
 
 use glam::DVec3;

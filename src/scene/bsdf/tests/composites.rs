@@ -71,7 +71,7 @@ pub(super) fn pinned(description: &BsdfDescription) -> Bsdf {
     Bsdf::Custom(Arc::new(Pinned { model: Composite::new(description).unwrap(), at }))
 }
 
-fn bitmap(texels: [[f32; 4]; 4]) -> Arc<Texture> {
+pub(super) fn bitmap(texels: [[f32; 4]; 4]) -> Arc<Texture> {
     let (filter, wrap, texels) = (Filter::Bilinear, [Wrap::Repeat; 2], Texels::Float(texels.to_vec()));
     let bitmap = Bitmap { name: "four".into(), width: 2, height: 2, texels, filter, wrap };
     Arc::new(Texture::Bitmap { bitmap: Arc::new(bitmap), to_uv: DAffine2::IDENTITY })

@@ -29,7 +29,7 @@ fn any_direction(rng: &mut impl RngExt) -> DVec3 {
 #[test]
 fn a_sample_is_what_evaluation_says_of_its_directions() {
     let mut rng = random_numbers(21);
-    for bsdf in all().into_iter().chain(composites::all()) {
+    for bsdf in all().into_iter().chain(composites::all()).chain(gltf::all()) {
         let mut drawn = 0;
         for i in 0..4_000 {
             let (side, from) = (SIDES[i % 2], any_direction(&mut rng));
@@ -59,7 +59,7 @@ fn a_sample_is_what_evaluation_says_of_its_directions() {
 #[test]
 fn scattering_is_reciprocal_up_to_the_square_of_the_index() {
     let mut rng = random_numbers(22);
-    for bsdf in all().into_iter().chain(composites::reciprocal()) {
+    for bsdf in all().into_iter().chain(composites::reciprocal()).chain(gltf::reciprocal()) {
         let mut seen = 0;
         for i in 0..3_000 {
             let a = any_direction(&mut rng);
