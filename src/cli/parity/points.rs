@@ -196,11 +196,11 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
 }
 
 fn largest<'a>(values: impl Iterator<Item = &'a (impl AsRef<[f64]> + ?Sized + 'a)>) -> f64 {
-    values.flat_map(|value| value.as_ref()).fold(0.0, |largest, x| largest.max(x.abs()))
+    values.flat_map(AsRef::as_ref).fold(0.0, |largest, x| largest.max(x.abs()))
 }
 
 fn inputs(ray: DVec3, pair: &Pair) -> Vec<f64> {
-    [ray, pair.from, pair.to].iter().flat_map(|vector| vector.to_array()).collect()
+    [ray, pair.from, pair.to].iter().flat_map(DVec3::to_array).collect()
 }
 
 fn vectors(x: &[f64]) -> [DVec3; 3] {

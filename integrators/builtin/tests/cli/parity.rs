@@ -3,8 +3,11 @@
 
 use crate::support::{Folder, run, stderr, workspace};
 
-/// Exit code, and comparison with verdict of each line of `parity.csv`; `None` without Mitsuba.
-fn parity(feature: &str, planted: Option<&str>) -> Option<(Option<i32>, Vec<(String, String)>)> {
+/// A comparison and its verdict.
+type Row = (String, String);
+
+/// Exit code, and the lines of `parity.csv`; `None` without Mitsuba.
+fn parity(feature: &str, planted: Option<&str>) -> Option<(Option<i32>, Vec<Row>)> {
     if !workspace().join(".venv/bin/python").is_file() && std::env::var_os("PATHSPACE_PYTHON").is_none() {
         eprintln!("skipped: there is no .venv with Mitsuba; run scripts/setup");
         return None;
@@ -23,7 +26,7 @@ fn parity(feature: &str, planted: Option<&str>) -> Option<(Option<i32>, Vec<(Str
     Some((ended.status.code(), rows))
 }
 
-fn verdict<'a>(rows: &'a [(String, String)], comparison: &str) -> &'a str {
+fn verdict<'a>(rows: &'a [Row], comparison: &str) -> &'a str {
     rows.iter().find(|(name, _)| name == comparison).map_or("none", |(_, verdict)| verdict)
 }
 
