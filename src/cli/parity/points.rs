@@ -13,8 +13,7 @@ use serde::{Deserialize, Deserializer};
 
 use crate::path::{Edge, Vertex, VertexKind};
 use crate::scene::bsdf::Side;
-use crate::scene::sensor::Pixel;
-use crate::scene::{EmitterId, Scene};
+use crate::scene::{EmitterId, PrimitiveId, Scene};
 
 use super::ParityArgs;
 use super::albedo::{Albedo, Albedos};
@@ -210,7 +209,8 @@ fn vectors(x: &[f64]) -> [DVec3; 3] {
 /// A vertex without a surface at a point of the world.
 fn start(scene: &Scene, position: DVec3) -> Vertex {
     let (position, normal) = (position - scene.centre(), DVec3::ZERO);
-    Vertex { position, normal, shading_normal: normal, kind: VertexKind::Sensor }
+    let kind = VertexKind::Sensor { zeta: 0.0, primitive: PrimitiveId::NONE };
+    Vertex { position, normal, shading_normal: normal, kind }
 }
 
 /// Emitted radiance that comes along a ray.
@@ -257,11 +257,7 @@ fn line(origin: DVec3, direction: DVec3, centre: DVec3) -> [f64; 6] {
 fn sensor_ray(scene: &Scene, x: &[f64]) -> [f64; 6] {
     let size = scene.sensor().film();
     let raster = DVec2::new(x[0] * f64::from(size.width), x[1] * f64::from(size.height));
-    let last = DVec2::new(f64::from(size.width - 1), f64::from(size.height - 1));
-    let corner = raster.floor().clamp(DVec2::ZERO, last);
-    let pixel = Pixel { x: corner.x as u32, y: corner.y as u32 };
-    let inside = raster - corner;
-    let (vertex, direction) = scene.sensor().sample(pixel, [inside.x, inside.y, x[2], x[3]]);
+    let (vertex, direction) = scene.sensor().through(raster, [x[2], x[3]]);
     line(vertex.position, direction, scene.sensor().position())
 }
 
