@@ -332,7 +332,13 @@ fn load_all(manifest: &Manifest) -> anyhow::Result<Vec<Subject>> {
         let parameters = entry.parameters.clone().into_iter().collect();
         let materials = manifest.materials.unwrap_or_default();
         let options = LoadOptions { film, camera, light_selection, parameters, materials, ..LoadOptions::default() };
-        load(&entry.file, &options)
+        let subject = load(&entry.file, &options)?;
+        let is_xml = subject.scene.source().extension().is_some_and(|ending| ending == "xml");
+        if is_xml && wants_mitsuba(manifest) {
+            let name = subject.scene.name();
+            complain("note", &format!("{name}: Mitsuba renders it by our export, not from the file itself"));
+        }
+        Ok(subject)
     };
     manifest.scenes.iter().map(|entry| load(entry)).collect()
 }
