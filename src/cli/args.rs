@@ -9,7 +9,8 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 pub(crate) use crate::experiment::manifest::MaxLength;
 use crate::report::Metric;
 use crate::scene::LightSelection;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{FilmSize, PixelFilter};
+use crate::scene::gltf::MaterialModel;
 use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
 
@@ -32,16 +33,32 @@ pub(crate) struct SceneArgs {
     #[arg(long, value_name = "R,G,B|GREY|FILE", value_parser = environment)]
     pub environment: Option<EnvironmentChoice>,
 
+    /// How a pixel responds to what is seen around it: box, tent[:RADIUS], gaussian[:STDDEV], in pixels [default: the
+    /// scene's]
+    #[arg(long = "filter", value_name = "FILTER", value_parser = pixel_filter)]
+    pub pixel_filter: Option<PixelFilter>,
+
     #[command(flatten)]
     pub defined: ParameterArgs,
 }
 
-/// Values of a scene's parameters.
+/// What a scene's file leaves open.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct ParameterArgs {
     /// Value of a parameter of a Mitsuba scene, `$NAME` in the file. May be repeated [default: the file's]
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parameter)]
     pub parameters: Vec<(String, String)>,
+
+    /// What glTF's materials become: glTF's own model, or Mitsuba's principled, which can be exported [default: gltf; with Mitsuba
+    /// among the methods principled]
+    #[arg(long, value_name = "MODEL", value_parser = material_model())]
+    pub materials: Option<MaterialModel>,
+}
+
+/// `gltf` or `principled`.
+fn material_model() -> impl TypedValueParser<Value = MaterialModel> {
+    PossibleValuesParser::new(["gltf", "principled"])
+        .map(|text| if text == "principled" { MaterialModel::Principled } else { MaterialModel::Gltf })
 }
 
 /// `NAME=VALUE`.
@@ -113,6 +130,11 @@ pub(crate) fn film_size(text: &str) -> Result<FilmSize, String> {
         Some(FilmSize { width: width.trim().parse().ok()?, height: height.trim().parse().ok()? })
     };
     parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, for example 640x480".into())
+}
+
+/// `box`, `tent:1` or `gaussian:0.5`.
+pub(crate) fn pixel_filter(text: &str) -> Result<PixelFilter, String> {
+    text.parse().map_err(str::to_owned)
 }
 
 /// Three channels, or one for all.

@@ -10,7 +10,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::estimator::{Control, Method, Registry};
 use crate::film::Film;
 use crate::names::did_you_mean;
-use crate::scene::description::{FilmSize, Projection};
+use crate::scene::description::{FilmSize, PixelFilter, Projection};
 use crate::scene::meter::{Aim, Meter, NamedMeter};
 use crate::scene::{Scene, SceneDescription, SceneOptions};
 
@@ -94,7 +94,8 @@ pub(super) fn run(registry: &Registry, args: &MeasureArgs) -> anyhow::Result<Out
         return Err(usage(format!("--confidence {}: expected a probability between 0 and 1", args.confidence)));
     }
     let parameters = args.defined.parameters.clone();
-    let options = LoadOptions { parameters, ..LoadOptions::default() };
+    let materials = args.defined.materials.unwrap_or_default();
+    let options = LoadOptions { parameters, materials, ..LoadOptions::default() };
     let description = scene::load(&args.scene, &options)?.description;
     let asked = asked(&args.sensors, &description)?;
     let mut measurements = Vec::new();
@@ -178,7 +179,8 @@ impl Asked<'_> {
         };
         let ray = aim.sensor.projection == Projection::Ray;
         let film = if ray { FilmSize { width: 1, height: 1 } } else { FilmSize { width: 64, height: 64 } };
-        let description = SceneDescription { sensor: Some(aim.sensor.clone()), ..description.clone() };
+        let description =
+            SceneDescription { sensor: Some(aim.sensor.clone()), filter: PixelFilter::Box, ..description.clone() };
         let (scene, _) = Scene::build(&description, SceneOptions { film: Some(film), ..SceneOptions::default() })?;
         Ok(Measurement { prefix, aim, scene })
     }

@@ -11,7 +11,8 @@ use serde::{Deserialize, Serialize};
 use crate::estimator::{Method, Registry};
 use crate::film::{Film, OutputFormat, RenderInfo, ReplayKey, check_writable, state};
 use crate::scene::LightSelection;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{FilmSize, PixelFilter};
+use crate::scene::gltf::MaterialModel;
 
 use super::args::{self, MaxLength, SceneArgs};
 use super::layers::{self, LayerArgs};
@@ -109,9 +110,13 @@ struct RunSettings {
     integrator: BTreeMap<String, String>,
     light_selection: LightSelection,
     camera: Option<String>,
+    #[serde(default)]
+    filter: PixelFilter,
     /// Of the scene.
     #[serde(default)]
     parameters: BTreeMap<String, String>,
+    #[serde(default)]
+    materials: MaterialModel,
     /// See [`scene::fingerprint`].
     scene: String,
 }
@@ -151,6 +156,7 @@ impl Resumed {
             ("seed", self.info.seed.to_string(), info.seed.to_string()),
             ("integrator", methods(&self.settings, &self.info.integrator), methods(settings, &info.integrator)),
             ("light selection", lights(&self.settings), lights(settings)),
+            ("pixel filter", self.settings.filter.to_string(), settings.filter.to_string()),
             ("content of the scene", self.settings.scene.clone(), settings.scene.clone()),
         ];
         match pairs.into_iter().find(|(_, theirs, ours)| theirs != ours) {
@@ -179,7 +185,9 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
         integrator: method.settings.clone(),
         light_selection: light_selection_of(args, resumed.as_ref()),
         camera: camera_of(args, resumed.as_ref()),
+        filter: loaded.description.filter,
         parameters: loaded.description.parameters.clone(),
+        materials: materials_of(args, resumed.as_ref()),
         scene: scene::fingerprint(&loaded.description),
     };
     let mut info = RenderInfo {
@@ -232,14 +240,22 @@ fn parameters_of(args: &RenderArgs, resumed: Option<&Resumed>) -> Vec<(String, S
     resumed.into_iter().chain(args.take.defined.parameters.clone()).collect()
 }
 
+/// Those of the image that is gone on with, unless the command line says others.
+fn materials_of(args: &RenderArgs, resumed: Option<&Resumed>) -> MaterialModel {
+    let resumed = resumed.map(|resumed| resumed.settings.materials);
+    args.take.defined.materials.or(resumed).unwrap_or_default()
+}
+
 fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<LoadedScene> {
     let size = resumed.map(|r| FilmSize { width: r.film.width(), height: r.film.height() });
     let options = LoadOptions {
         camera: camera_of(args, resumed),
         film: args.take.film.or(size),
         environment: args.take.environment.clone(),
+        filter: args.take.pixel_filter.or(resumed.map(|r| r.settings.filter)),
         light_selection: light_selection_of(args, resumed),
         parameters: parameters_of(args, resumed),
+        materials: materials_of(args, resumed),
     };
     scene::load(&args.scene, &options)
 }

@@ -20,8 +20,8 @@ use crate::spectrum::Rgb;
 pub use gltf::{GltfAnisotropy, GltfCoat, GltfDescription, GltfSheen, GltfVolume, Slot};
 pub use light::{EnvironmentDescription, Light, LightKind};
 pub use material::{BsdfDescription, ConductorFresnel, Material, MicrofacetKind, NormalSource, PrincipledDescription};
-pub use sensor::{FilmSize, Lens, PixelFilter, Projection, SensorDescription};
-pub use shape::{Attribute, Cylinder, Disk, Mesh, Sphere};
+pub use sensor::{FilmSize, Lens, PixelFilter, Projection, SensorDescription, Target};
+pub use shape::{Attribute, Cylinder, Disk, Mesh, ShapeIndex, Sphere};
 
 /// A whole scene as its file describes it.
 #[derive(Clone, Debug, Default)]
