@@ -85,7 +85,7 @@ fn nothing_leaves_through_seams_of_analytic_shapes() {
     };
     let scene = scenes::build(&scene);
     let mut random = Random::new(12, 0, 0);
-    let (mut at, mut direction) = scene.sensor().sample(Pixel { x: 0, y: 0 }, random.uniform4());
+    let (mut at, mut direction) = scene.sensor().sample(&scene, Pixel { x: 0, y: 0 }, &mut random);
     for bounce in 0..1_000_000 {
         let next = scene.trace(&at, direction).unwrap_or_else(|| panic!("bounce {bounce}: {at:?} along {direction}"));
         at = next;
