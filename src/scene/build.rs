@@ -3,6 +3,8 @@
 mod checks;
 mod emitters;
 mod geometry;
+#[cfg(test)]
+mod tests;
 
 use std::path::PathBuf;
 use std::sync::OnceLock;
