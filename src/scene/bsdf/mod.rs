@@ -13,7 +13,11 @@ mod gltf;
 mod material;
 mod microfacet;
 mod perturbed;
+mod plastic;
+mod principled;
 mod rough_dielectric;
+mod rough_plastic;
+mod source;
 #[cfg(test)]
 mod tests;
 mod thin_dielectric;
@@ -33,7 +37,10 @@ pub use diffuse::Diffuse;
 pub use gltf::Gltf;
 pub use material::MaterialError;
 pub use microfacet::{Beckmann, Ggx, Microfacets};
+pub use plastic::{Base, Plastic};
+pub use principled::Principled;
 pub use rough_dielectric::RoughDielectric;
+pub use rough_plastic::{RoughCoat, RoughPlastic};
 pub use thin_dielectric::ThinDielectric;
 
 /// The end of the path from which a walk started.
@@ -161,6 +168,12 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// Glass with microfacets.
     RoughDielectric(RoughDielectric),
+    /// A diffuse base below a smooth coat.
+    Plastic(Plastic),
+    /// A diffuse base below a rough coat.
+    RoughPlastic(RoughPlastic),
+    /// Disney's.
+    Principled(Box<Principled>),
     /// glTF's own.
     Gltf(Box<Gltf>),
     /// A research model from outside.
@@ -176,6 +189,9 @@ macro_rules! dispatch {
             Bsdf::Dielectric($model) => $answer,
             Bsdf::ThinDielectric($model) => $answer,
             Bsdf::RoughDielectric($model) => $answer,
+            Bsdf::Plastic($model) => $answer,
+            Bsdf::RoughPlastic($model) => $answer,
+            Bsdf::Principled($model) => $answer,
             Bsdf::Gltf($model) => $answer,
             Bsdf::Custom($model) => $answer,
         }
@@ -194,6 +210,9 @@ impl Bsdf {
             Self::Dielectric(model) => model,
             Self::ThinDielectric(model) => model,
             Self::RoughDielectric(model) => model,
+            Self::Plastic(model) => model,
+            Self::RoughPlastic(model) => model,
+            Self::Principled(model) => model.as_ref(),
             Self::Gltf(model) => model.as_ref(),
         }
     }

@@ -4,8 +4,8 @@ use glam::DVec3;
 
 use super::super::MaterialError;
 use super::super::fresnel::Interface;
-use super::super::material::share;
-use super::super::perturbed::TurnedFrame;
+use super::super::perturbed::{TurnedFrame, TurnedNormal};
+use super::super::source::share;
 use super::facets::Facets;
 use super::sheen::Sheen;
 use super::{Body, Coat, Gltf};
@@ -79,7 +79,7 @@ impl Lookup for SurfacePoint<'_> {
     }
 
     fn frame(&self, normal: &NormalSource) -> Option<TurnedFrame> {
-        Some(TurnedFrame::new(normal, self))
+        Some(TurnedNormal::new(normal, self).frame_as_it_is())
     }
 
     fn point(&self) -> Option<&SurfacePoint<'_>> {

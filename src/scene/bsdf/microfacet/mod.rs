@@ -9,6 +9,7 @@ mod ggx;
 use glam::DVec3;
 
 use crate::measure::{Density, SolidAngle};
+use crate::quadrature::Rule;
 use crate::scene::description::MicrofacetKind;
 
 pub use beckmann::Beckmann;
@@ -23,6 +24,55 @@ pub enum Microfacets {
     Beckmann(Beckmann),
 }
 
+/// What a family of distributions answers, documented at [`Microfacets`].
+pub(super) trait Distribution {
+    fn distribution(&self, m: DVec3) -> f64;
+    fn shadowing_over_cos(&self, v: DVec3) -> f64;
+    fn visibility_over_cos(&self, v: DVec3) -> f64;
+    fn sample_visible(&self, v: DVec3, u: [f64; 2]) -> DVec3;
+}
+
+impl Distribution for Ggx {
+    #[inline(always)]
+    fn distribution(&self, m: DVec3) -> f64 {
+        self.distribution(m)
+    }
+
+    #[inline(always)]
+    fn shadowing_over_cos(&self, v: DVec3) -> f64 {
+        self.shadowing_over_cos(v)
+    }
+
+    #[inline(always)]
+    fn visibility_over_cos(&self, v: DVec3) -> f64 {
+        self.shadowing_over_cos(v)
+    }
+
+    #[inline(always)]
+    fn sample_visible(&self, v: DVec3, u: [f64; 2]) -> DVec3 {
+        self.sample_visible(v, u)
+    }
+}
+
+impl Distribution for Beckmann {
+    fn distribution(&self, m: DVec3) -> f64 {
+        self.distribution(m)
+    }
+
+    fn shadowing_over_cos(&self, v: DVec3) -> f64 {
+        self.shadowing_over_cos(v)
+    }
+
+    fn visibility_over_cos(&self, v: DVec3) -> f64 {
+        self.visibility_over_cos(v)
+    }
+
+    fn sample_visible(&self, v: DVec3, u: [f64; 2]) -> DVec3 {
+        self.sample_visible(v, u)
+    }
+}
+
+/// An answer by either family. Models ask once and not for each part of a formula, which takes half of the time.
 macro_rules! of_either {
     ($either:expr, $model:ident => $answer:expr) => {
         match $either {
@@ -31,6 +81,8 @@ macro_rules! of_either {
         }
     };
 }
+
+pub(super) use of_either;
 
 impl Microfacets {
     /// With roughness α along u and along v, both above 0.
@@ -86,5 +138,11 @@ impl Microfacets {
     #[inline]
     pub fn sample_visible(&self, v: DVec3, u: [f64; 2]) -> DVec3 {
         of_either!(self, model => model.sample_visible(v, u))
+    }
+
+    /// Visible normals as seen from a direction in the plane of u and the normal, and weights that add up to one: a rule for
+    /// integrals over `D_v` of what is symmetric about that plane.
+    pub(super) fn visible_rule(&self, v: DVec3, rule: &Rule) -> Vec<(DVec3, f64)> {
+        of_either!(self, model => model.visible_rule(v, rule))
     }
 }

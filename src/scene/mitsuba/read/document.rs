@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::fault::{Fault, Place, Result};
+use super::fault::{Fault, Place, Result, Warnings};
 use super::files::Files;
 use super::node::{Kind, Node, Property, Value};
 use super::parameters::Parameters;
@@ -20,6 +20,9 @@ use crate::spectrum::Rgb;
 /// Deepest nesting of included files, as in Mitsuba.
 const DEEPEST_INCLUDE: usize = 15;
 
+/// Deepest nesting of objects, those of included files within those that include them.
+const DEEPEST: usize = 128;
+
 /// Most included files in a scene.
 const MOST_INCLUDES: usize = 1000;
 
@@ -29,15 +32,25 @@ pub(super) struct Document {
     pub nodes: Vec<Node>,
     pub files: Files,
     pub parameters: Parameters,
+    pub warnings: Warnings,
     ids: HashMap<String, usize>,
     includes: usize,
+    nesting: usize,
 }
 
 impl Document {
     /// From the bytes of the scene's file.
     pub(super) fn read(bytes: &[u8], path: &Path, parameters: Parameters) -> Result<Self> {
         let files = Files::new(path);
-        let mut document = Self { nodes: Vec::new(), files, parameters, ids: HashMap::new(), includes: 0 };
+        let mut document = Self {
+            nodes: Vec::new(),
+            files,
+            parameters,
+            warnings: Warnings::default(),
+            ids: HashMap::new(),
+            includes: 0,
+            nesting: 0,
+        };
         let file: Arc<Path> = path.into();
         let mut root = tree::parse(bytes, &file)?;
         let old = document.version(&mut root)?;
@@ -73,7 +86,14 @@ impl Document {
     }
 
     fn children(&mut self, element: Element, parent: usize, old: bool, depth: usize) -> Result<()> {
-        element.children.into_iter().try_for_each(|child| self.element(child, parent, old, depth))
+        self.nesting += 1;
+        if self.nesting > DEEPEST {
+            let problem = format!("objects are nested more than {DEEPEST} deep");
+            return Err(Fault::new(&element.place(), problem, "flatten the scene"));
+        }
+        element.children.into_iter().try_for_each(|child| self.element(child, parent, old, depth))?;
+        self.nesting -= 1;
+        Ok(())
     }
 
     fn element(&mut self, mut element: Element, parent: usize, old: bool, depth: usize) -> Result<()> {
@@ -138,7 +158,7 @@ impl Document {
                     self.parameters.substitute(operation)?;
                 }
                 required(&element, "name")?;
-                Value::Transform(transform::compose(&element)?)
+                Value::Transform(transform::compose(&element, &mut self.warnings)?)
             }
             _ => self.plain(&element, &place)?,
         };

@@ -9,7 +9,7 @@ use super::props::Props;
 use super::reader::Reader;
 use crate::geometry::Frame;
 use crate::names::did_you_mean;
-use crate::scene::description::{Cylinder, Disk, Mesh, Sphere};
+use crate::scene::description::{Cylinder, Disk, Mesh, ShapeIndex, Sphere};
 
 /// Most triangles that instances may make of groups.
 const MOST_INSTANCED: usize = 20_000_000;
@@ -26,6 +26,8 @@ pub(super) struct Part {
     name: String,
     form: Form,
     material: usize,
+    /// What measures at it.
+    sensor: Option<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -49,7 +51,10 @@ impl Reader<'_> {
             "instance" => self.instance(index),
             _ => {
                 let part = self.part(index, false)?;
-                self.place(part, None, index)
+                let sensor = part.sensor;
+                let shape = self.place(part, None, index)?;
+                self.sensors.extend(sensor.map(|sensor| (sensor, Some(shape))));
+                Ok(())
             }
         }
     }
@@ -72,11 +77,8 @@ impl Reader<'_> {
             let problem = "shines or measures inside of a group, which Mitsuba does not support either";
             return Err(props.wrong(problem, "take it out of the group"));
         }
-        if let Some(sensor) = sensor {
-            self.sensors.push((sensor, Some(index)));
-        }
         let material = self.material(bsdf, emitter)?;
-        Ok(Part { name: self.name_of(index), form, material })
+        Ok(Part { name: self.name_of(index), form, material, sensor })
     }
 
     fn form(&mut self, props: &Props<'_>) -> Result<Form> {
@@ -133,18 +135,19 @@ impl Reader<'_> {
     }
 
     /// Adds a shape to the scene, by an instance or directly.
-    fn place(&mut self, part: Part, instance: Option<&DMat4>, index: usize) -> Result<()> {
+    fn place(&mut self, part: Part, instance: Option<&DMat4>, index: usize) -> Result<ShapeIndex> {
         let node = &self.document.nodes[index].place;
-        let Part { name, form, material } = part;
+        let Part { name, form, material, .. } = part;
         let by = instance.copied().unwrap_or(DMat4::IDENTITY);
-        match form {
+        Ok(match form {
             Form::Mesh(local) => {
-                let local = if instance.is_some() { local.placed(&by, false) } else { local };
+                let local = if instance.is_some() { local.placed(&by, false, true) } else { local };
                 let Local { positions, normals, texcoords, attributes, triangles } = local;
                 self.scene.meshes.push(Mesh { name, positions, normals, texcoords, attributes, triangles, material });
+                ShapeIndex::Mesh(self.scene.meshes.len() - 1)
             }
             Form::Sphere { to_world, inward } => {
-                let m = by * to_world;
+                let m = self.finite(by * to_world, index)?;
                 let radius = m.x_axis.length();
                 let axes = DMat3::from_mat4(m) * (1.0 / radius);
                 let off = axes.transpose() * axes - DMat3::IDENTITY;
@@ -155,12 +158,19 @@ impl Reader<'_> {
                 let centre = m.w_axis.truncate();
                 let axes = DMat3::from_cols(axes.x_axis, axes.y_axis, axes.z_axis);
                 self.scene.spheres.push(Sphere { name, centre, radius, axes, inward, material });
+                ShapeIndex::Sphere(self.scene.spheres.len() - 1)
             }
             Form::Disk { to_world, flip } => {
-                self.scene.disks.push(Disk::transformed(name, &DAffine3::from_mat4(by * to_world), flip, material));
+                self.scene.disks.push(Disk::transformed(
+                    name,
+                    &DAffine3::from_mat4(self.finite(by * to_world, index)?),
+                    flip,
+                    material,
+                ));
+                ShapeIndex::Disk(self.scene.disks.len() - 1)
             }
             Form::Cylinder { to_world, inward } => {
-                let m = by * to_world;
+                let m = self.finite(by * to_world, index)?;
                 let [x, y, axis] = [m.x_axis, m.y_axis, m.z_axis].map(glam::DVec4::truncate);
                 let radius = x.length();
                 let length = axis.length();
@@ -172,9 +182,18 @@ impl Reader<'_> {
                     return Err(Fault::new(node, problem, "scale it alike across its axis"));
                 }
                 self.scene.cylinders.push(Cylinder::transformed(name, &DAffine3::from_mat4(m), inward, material));
+                ShapeIndex::Cylinder(self.scene.cylinders.len() - 1)
             }
+        })
+    }
+
+    /// The matrix, unless numbers are beyond what can be told apart.
+    fn finite(&self, matrix: DMat4, index: usize) -> Result<DMat4> {
+        if matrix.is_finite() && matrix.determinant().is_normal() {
+            return Ok(matrix);
         }
-        Ok(())
+        let problem = "is too large or too small for its transform and size";
+        Err(Fault::new(&self.document.nodes[index].place, problem, "use numbers around one"))
     }
 
     /// The shapes of a group.
@@ -209,10 +228,11 @@ impl Reader<'_> {
             _ => return Err(props.wrong("does not hold one shapegroup", "put a <ref> to one into it")),
         };
         let parts = self.group(group)?;
-        let triangles: usize = parts.iter().map(Part::triangles).sum();
-        self.instanced = self.instanced.saturating_add(triangles.max(parts.len()));
+        let size: usize = parts.iter().map(Part::size).sum();
+        self.instanced = self.instanced.saturating_add(size);
         if self.instanced > MOST_INSTANCED {
-            let problem = format!("instances are copies here, and they make more than {MOST_INSTANCED} triangles");
+            let problem =
+                format!("instances are copies here, and they make more than {MOST_INSTANCED} triangles or vertices");
             return Err(props.wrong(problem, "use fewer instances"));
         }
         let name = self.name_of(index);
@@ -225,9 +245,10 @@ impl Reader<'_> {
 }
 
 impl Part {
-    fn triangles(&self) -> usize {
+    /// Triangles, or vertices where these are more.
+    fn size(&self) -> usize {
         match &self.form {
-            Form::Mesh(local) => local.triangles.len(),
+            Form::Mesh(local) => local.triangles.len().max(local.positions.len()),
             _ => 1,
         }
     }
