@@ -88,7 +88,7 @@ def emitters() -> list[Case]:
     }
     box = BOX.replace("%BSDF%", DIFFUSE)
     # A textured lamp is drawn by brightness here, by area in Mitsuba.
-    own = {"area-textured": "by brightness"}
+    own = {"area-textured": "by brightness", "envmap": "exactly by luminance"}
     return [
         Case(f"emitter/{name}", CAMERA + FLOOR + box + text, pdf=own.get(name, "same"))
         for name, text in inside.items()

@@ -115,7 +115,9 @@ pub(super) fn compare(
     let mut albedos = Albedos::default();
     for point in &points.surfaces {
         let rounding = surface(scene, case, point, &mut comparisons);
-        if let Some(vertex) = scene.trace(&start(scene, point.origin), point.direction) {
+        // Under leaning normals some directions are black here, and not in Mitsuba.
+        let vertex = scene.trace(&start(scene, point.origin), point.direction);
+        if let Some(vertex) = vertex.filter(|vertex| vertex.normal.dot(vertex.shading_normal) > 1.0 - 1e-9) {
             point.albedos.iter().for_each(|albedo| albedos.add(scene, &vertex, albedo, rounding, args.seed));
         }
     }
@@ -163,7 +165,9 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
     let brightest = largest(point.pairs.iter().map(|pair| &pair.value));
     let rounding = (ARITHMETIC + case.table) * brightest;
     let of_density = largest(point.pairs.iter().map(|pair| std::slice::from_ref(&pair.pdf)));
-    for pair in &point.pairs {
+    let surface = hit(point.direction);
+    let taken = |pair: &&Pair| surface.is_none_or(|vertex| sides_agree(&vertex, pair));
+    for pair in point.pairs.iter().filter(taken) {
         let inputs = inputs(point.direction, pair);
         let what = || format!("at {} from {} to {}", point.position, pair.from, pair.to);
         let value = |x: &[f64]| {
@@ -172,7 +176,8 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
         };
         let bound = eval.add(&value, &inputs, &pair.value, rounding, what);
         relative = relative.max(bound / brightest.max(f64::MIN_POSITIVE));
-        if case.same_densities() {
+        // Mitsuba's models may draw what they do not scatter.
+        if case.same_densities() && pair.value != [0.0; 3] {
             let density = |x: &[f64]| {
                 let [direction, from, to] = vectors(x);
                 [hit(direction).map_or(f64::NAN, |v| scene.scatter_density(&v, from, to).value())]
@@ -180,7 +185,7 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
             pdf.add(&density, &inputs, &[pair.pdf], ARITHMETIC * of_density + case.fit * pair.pdf, what);
         }
     }
-    for pair in &point.dirac {
+    for pair in point.dirac.iter().filter(taken) {
         let inputs = inputs(point.direction, pair);
         let what = || format!("at {} from {} to {}", point.position, pair.from, pair.to);
         let value = |x: &[f64]| {
@@ -198,6 +203,12 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
         }
     }
     relative
+}
+
+/// Shading and geometric normal have each direction on the same side; where they do not, surfaces are black here, and not in
+/// Mitsuba.
+fn sides_agree(vertex: &Vertex, pair: &Pair) -> bool {
+    [pair.from, pair.to].iter().all(|way| way.dot(vertex.normal) * way.dot(vertex.shading_normal) > 0.0)
 }
 
 fn largest<'a>(values: impl Iterator<Item = &'a (impl AsRef<[f64]> + ?Sized + 'a)>) -> f64 {
