@@ -1,6 +1,7 @@
 """Small files of every kind that the readers take: `seeds.py FOLDER [SCENES…]`.
 
-There is a folder for each fuzz target. Files of the given folders that are small enough are taken along.
+There is a folder for each fuzz target. Files of the given folders that are small enough are
+taken along.
 """
 
 import base64
