@@ -44,6 +44,8 @@ class GltfScene:
     def diffuse(self, name: str, reflectance: Rgb, emission: Rgb | None = None) -> int:
         """Lambert's reflection, and emission [W/m²/sr] from the front: plain glTF says it all."""
         material = _metallic_roughness(name, reflectance, metallic=0.0, roughness=1.0)
+        # Without it glTF lays a faint gloss over every non-metal.
+        self._extend(material, "KHR_materials_specular", specularFactor=0.0)
         if emission is not None:
             # A power of two as strength keeps the product of the two as exact as each.
             strength = max(1.0, 2.0 ** math.ceil(math.log2(max(emission))))

@@ -8,6 +8,7 @@ pub mod geometry;
 pub mod measure;
 mod names;
 pub mod path;
+mod quadrature;
 pub mod report;
 pub mod sampler;
 pub mod scene;

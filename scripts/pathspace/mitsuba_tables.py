@@ -1,10 +1,10 @@
-"""Writes the colour tables of the reader of Mitsuba's scenes, from the data that come with the Mitsuba wheel.
+"""Writes the colour tables of the reader of Mitsuba's scenes, from the data of the Mitsuba wheel.
 
     .venv/bin/python scripts/pathspace/mitsuba_tables.py > src/scene/mitsuba/read/tables.rs
 
-The observer and the illuminant are those of the CIE (1931, 2 degrees; D65), every 5 nm. The metals are those of
-refractiveindex.info and of Palik's handbook (the names that end in `_palik`) as Mitsuba has collected them, as linear
-RGB by Mitsuba's own conversion of `eta` and `k`.
+The observer and the illuminant are those of the CIE (1931, 2 degrees; D65), every 5 nm. The metals
+are those of refractiveindex.info and of Palik's handbook (the names that end in `_palik`) as
+Mitsuba has collected them, as linear RGB by Mitsuba's own conversion of `eta` and `k`.
 """
 
 from __future__ import annotations
@@ -20,13 +20,15 @@ def metals() -> dict[str, tuple[list[float], list[float]]]:
     """`eta` and `k` of every metal that Mitsuba knows by name."""
     folder = Path(mi.__file__).parent / "data" / "ior"
     names = sorted(file.name.removesuffix(".eta.spd") for file in folder.glob("*.eta.spd"))
-    return {name: (rgb(folder / f"{name}.eta.spd"), rgb(folder / f"{name}.k.spd")) for name in names}
+    files = {name: (folder / f"{name}.eta.spd", folder / f"{name}.k.spd") for name in names}
+    return {name: (rgb(eta), rgb(k)) for name, (eta, k) in files.items()}
 
 
 def rgb(file: Path) -> list[float]:
     """A spectrum as linear RGB, neither bounded nor under an illuminant."""
     wavelengths, values = mi.spectrum_from_file(str(file))
-    return [float(x) for x in mi.spectrum_list_to_srgb(wavelengths, values, bounded=False, d65=False)]
+    colour = mi.spectrum_list_to_srgb(wavelengths, values, bounded=False, d65=False)
+    return [float(x) for x in colour]
 
 
 def row(numbers: list[float]) -> str:
@@ -42,7 +44,8 @@ def main() -> None:
     observer = [[float(x) for x in mi.cie1931_xyz(w)] for w in wavelengths]
     daylight = [float(mi.cie_d65(w)) for w in wavelengths]
     print("//! Made by `scripts/pathspace/mitsuba_tables.py`, which names the sources.\n")
-    print(f"/// The CIE's standard observer of 1931 (2 degrees): x̄, ȳ, z̄ from {FIRST} to {LAST} nm every {STEP} nm.")
+    print("/// The CIE's standard observer of 1931 (2 degrees): x̄, ȳ, z̄")
+    print(f"/// from {FIRST} to {LAST} nm every {STEP} nm.")
     print("#[rustfmt::skip]")
     print(f"pub(super) const OBSERVER: [[f64; 3]; {len(observer)}] = [")
     for values in observer:

@@ -9,7 +9,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 pub(crate) use crate::experiment::manifest::MaxLength;
 use crate::report::Metric;
 use crate::scene::LightSelection;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{FilmSize, PixelFilter};
 use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
 
@@ -31,6 +31,11 @@ pub(crate) struct SceneArgs {
     /// points up (EXR, HDR, PNG, JPEG) [default: the scene's]
     #[arg(long, value_name = "R,G,B|GREY|FILE", value_parser = environment)]
     pub environment: Option<EnvironmentChoice>,
+
+    /// How a pixel responds to what is seen around it: box, tent[:RADIUS], gaussian[:STDDEV], in pixels [default: the
+    /// scene's]
+    #[arg(long = "filter", value_name = "FILTER", value_parser = pixel_filter)]
+    pub pixel_filter: Option<PixelFilter>,
 
     #[command(flatten)]
     pub defined: ParameterArgs,
@@ -113,6 +118,11 @@ pub(crate) fn film_size(text: &str) -> Result<FilmSize, String> {
         Some(FilmSize { width: width.trim().parse().ok()?, height: height.trim().parse().ok()? })
     };
     parse().ok_or_else(|| "expected WIDTHxHEIGHT in pixels, for example 640x480".into())
+}
+
+/// `box`, `tent:1` or `gaussian:0.5`.
+pub(crate) fn pixel_filter(text: &str) -> Result<PixelFilter, String> {
+    text.parse().map_err(str::to_owned)
 }
 
 /// Three channels, or one for all.

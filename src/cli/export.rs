@@ -38,9 +38,9 @@ pub(super) struct ExportArgs {
 }
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
-    let SceneArgs { film, camera, environment, defined } = args.take.clone();
+    let SceneArgs { film, camera, environment, pixel_filter: filter, defined } = args.take.clone();
     let parameters = defined.parameters;
-    let options = LoadOptions { camera, film, environment, parameters, ..LoadOptions::default() };
+    let options = LoadOptions { camera, film, environment, filter, parameters, ..LoadOptions::default() };
     let loaded = scene::load(&args.scene, &options)?;
     scene::show(&loaded.notes);
     let options = ExportOptions {

@@ -10,7 +10,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use crate::estimator::{Control, Method, Registry};
 use crate::film::Film;
 use crate::names::did_you_mean;
-use crate::scene::description::{FilmSize, Projection};
+use crate::scene::description::{FilmSize, PixelFilter, Projection};
 use crate::scene::meter::{Aim, Meter, NamedMeter};
 use crate::scene::{Scene, SceneDescription, SceneOptions};
 
@@ -178,7 +178,8 @@ impl Asked<'_> {
         };
         let ray = aim.sensor.projection == Projection::Ray;
         let film = if ray { FilmSize { width: 1, height: 1 } } else { FilmSize { width: 64, height: 64 } };
-        let description = SceneDescription { sensor: Some(aim.sensor.clone()), ..description.clone() };
+        let description =
+            SceneDescription { sensor: Some(aim.sensor.clone()), filter: PixelFilter::Box, ..description.clone() };
         let (scene, _) = Scene::build(&description, SceneOptions { film: Some(film), ..SceneOptions::default() })?;
         Ok(Measurement { prefix, aim, scene })
     }

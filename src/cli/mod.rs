@@ -8,6 +8,7 @@ mod layers;
 mod list;
 mod measure;
 mod method;
+mod parity;
 mod paths;
 mod progress;
 mod pyramid;
@@ -33,7 +34,7 @@ Exit codes:
   0    done (values that cannot be right are counted and told on stderr, and do not change the code)
   1    a scene, film or file cannot be used: one line `error: FILE: place: what; remedy` on stderr
   2    the command line makes no sense: unknown option, integrator or setting
-  3    compare, reference: a method estimates another image, told after everything is written
+  3    compare, reference, parity: a method estimates another image, told after everything is written
   130  interrupted by Ctrl-C or SIGTERM after what was finished has been written";
 
 /// Path-space light transport: renders glTF scenes and says how certain each image is.
@@ -52,6 +53,7 @@ enum Command {
     Score(score::ScoreArgs),
     Pyramid(pyramid::PyramidArgs),
     Paths(Box<paths::PathsArgs>),
+    Parity(parity::ParityArgs),
     Export(export::ExportArgs),
     List(list::ListArgs),
     Verify(verify::VerifyArgs),
@@ -99,6 +101,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Score(args) => score::run(args),
         Command::Pyramid(args) => pyramid::run(args),
         Command::Paths(args) => paths::run(registry, args),
+        Command::Parity(args) => parity::run(registry, args),
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
         Command::Verify(args) => verify::run(registry, args),

@@ -27,7 +27,7 @@ glass), then E. --where takes a regular expression that the whole path matches:
   LS+DE      caustics                  L.*S.*E    with any mirror
   L[DG]SE    in a mirror or glass      L.{3,}E    three bounces or more
 
-Fields of a JSON line, schema 2. null is what is absent; numbers read back to
+Fields of a JSON line, schema 3. null is what is absent; numbers read back to
 the same bits; positions are in metres in the world.
   schema scene integrator seed pixel sample path
                        where it is from; `path` numbers the terms of a sample
@@ -48,8 +48,10 @@ the same bits; positions are in metres in the world.
                          contribution = weight f_over_p_i / (n_i P)
                        f_over_p = f/p is the target in primary sample space,
                        where the density of the sampler is one
-  vertices[]           position normal letter kind dirac; material and emitter
-                       (id, name); and densities, each with
+  vertices[]           position normal letter kind dirac; zeta at the sensor,
+                       which of the pixels is meant that share a point of the
+                       film; material and emitter (id, name); and densities,
+                       each with
                          solid_angle projected_solid_angle (at the vertex
                          before), area, dirac (measure and coefficient, where
                          there is no density), survival (of roulette, contained
@@ -142,9 +144,9 @@ impl PathsArgs {
 }
 
 pub(super) fn run(registry: &Registry, args: &PathsArgs) -> anyhow::Result<Outcome> {
-    let SceneArgs { film, camera, environment, defined } = args.take.clone();
+    let SceneArgs { film, camera, environment, pixel_filter: filter, defined } = args.take.clone();
     let (light_selection, parameters) = (args.light_selection, defined.parameters);
-    let options = LoadOptions { camera, film, environment, light_selection, parameters };
+    let options = LoadOptions { camera, film, environment, filter, light_selection, parameters };
     let loaded = scene::load(&args.scene, &options)?;
     let scene = &loaded.scene;
     let method = method::build(registry, args.integrator.as_deref(), args.max_length, scene)?;

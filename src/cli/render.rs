@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::estimator::{Method, Registry};
 use crate::film::{Film, OutputFormat, RenderInfo, ReplayKey, check_writable, state};
 use crate::scene::LightSelection;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{FilmSize, PixelFilter};
 
 use super::args::{self, MaxLength, SceneArgs};
 use super::layers::{self, LayerArgs};
@@ -109,6 +109,8 @@ struct RunSettings {
     integrator: BTreeMap<String, String>,
     light_selection: LightSelection,
     camera: Option<String>,
+    #[serde(default)]
+    filter: PixelFilter,
     /// Of the scene.
     #[serde(default)]
     parameters: BTreeMap<String, String>,
@@ -151,6 +153,7 @@ impl Resumed {
             ("seed", self.info.seed.to_string(), info.seed.to_string()),
             ("integrator", methods(&self.settings, &self.info.integrator), methods(settings, &info.integrator)),
             ("light selection", lights(&self.settings), lights(settings)),
+            ("pixel filter", self.settings.filter.to_string(), settings.filter.to_string()),
             ("content of the scene", self.settings.scene.clone(), settings.scene.clone()),
         ];
         match pairs.into_iter().find(|(_, theirs, ours)| theirs != ours) {
@@ -179,6 +182,7 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
         integrator: method.settings.clone(),
         light_selection: light_selection_of(args, resumed.as_ref()),
         camera: camera_of(args, resumed.as_ref()),
+        filter: loaded.description.filter,
         parameters: loaded.description.parameters.clone(),
         scene: scene::fingerprint(&loaded.description),
     };
@@ -238,6 +242,7 @@ fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<Lo
         camera: camera_of(args, resumed),
         film: args.take.film.or(size),
         environment: args.take.environment.clone(),
+        filter: args.take.pixel_filter.or(resumed.map(|r| r.settings.filter)),
         light_selection: light_selection_of(args, resumed),
         parameters: parameters_of(args, resumed),
     };

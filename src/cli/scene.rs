@@ -8,7 +8,7 @@ use xxhash_rust::xxh3::Xxh3Default;
 
 use super::args::EnvironmentChoice;
 use crate::names::did_you_mean;
-use crate::scene::description::{EnvironmentDescription, FilmSize};
+use crate::scene::description::{EnvironmentDescription, FilmSize, PixelFilter};
 use crate::scene::gltf;
 use crate::scene::mitsuba::read as xml;
 use crate::scene::texture::{self, Bitmap, Filter, Wrap};
@@ -36,6 +36,8 @@ pub(crate) struct LoadOptions {
     pub film: Option<FilmSize>,
     /// Environment instead of the scene's.
     pub environment: Option<EnvironmentChoice>,
+    /// Pixel filter instead of the scene's.
+    pub filter: Option<PixelFilter>,
     /// How emitters are chosen.
     pub light_selection: LightSelection,
     /// Values of the parameters of an XML scene.
@@ -52,6 +54,7 @@ pub(crate) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<LoadedS
     if let Some(choice) = &options.environment {
         description.environment = Some(environment(choice)?);
     }
+    description.filter = options.filter.unwrap_or(description.filter);
     let scene_options = SceneOptions { film: options.film, light_selection: options.light_selection };
     let (scene, notes) = Scene::build(&description, scene_options)?;
     if description.sensor.is_none() {
@@ -71,7 +74,7 @@ fn read(file: &Path, options: &LoadOptions) -> anyhow::Result<SceneDescription> 
     if let Some((name, _)) = options.parameters.first() {
         bail!(UsageError(format!("-D {name}: {} is no .xml file and has no parameters", file.display())));
     }
-    Ok(gltf::read_with(file, &gltf::ReadOptions { camera })?)
+    Ok(gltf::read_with(file, &gltf::ReadOptions { camera, ..gltf::ReadOptions::default() })?)
 }
 
 fn environment(choice: &EnvironmentChoice) -> anyhow::Result<EnvironmentDescription> {

@@ -60,6 +60,7 @@ pub(super) fn run(registry: &Registry, args: &WhatIfArgs) -> anyhow::Result<Outc
         camera: args.take.camera.clone(),
         film: args.take.film,
         environment: args.take.environment.clone(),
+        filter: args.take.pixel_filter,
         parameters: args.take.defined.parameters.clone(),
         ..LoadOptions::default()
     };

@@ -24,7 +24,7 @@ pub fn sees_dirac(scene: &Scene) -> Vec<bool> {
         .map(|index| {
             let pixel = Pixel { x: (index % width) as u32, y: (index / width) as u32 };
             (0..LOOKS).any(|look| {
-                let (from, direction) = scene.sensor().sample(pixel, random_of(scene, 0, pixel, look).uniform4());
+                let (from, direction) = scene.sensor().sample(scene, pixel, &mut random_of(scene, 0, pixel, look));
                 scene.trace(&from, direction).is_some_and(|vertex| vertex.scatters() && !scene.has_finite(&vertex))
             })
         })
@@ -54,7 +54,7 @@ pub fn blocks_without_dirac(scene: &Scene) -> Option<Vec<bool>> {
 
 #[cfg(test)]
 mod tests {
-    use glam::DVec3;
+    use glam::{DVec2, DVec3};
 
     use super::*;
     use crate::scene::description::{BsdfDescription, FilmSize, Sphere};
@@ -73,8 +73,8 @@ mod tests {
         let scene = build(&description);
         let mask = sees_dirac(&scene);
         let hit = |index: usize| {
-            let pixel = Pixel { x: index as u32 % 64, y: index as u32 / 64 };
-            let (from, direction) = scene.sensor().sample(pixel, [0.5; 4]);
+            let raster = DVec2::new((index % 64) as f64 + 0.5, (index / 64) as f64 + 0.5);
+            let (from, direction) = scene.sensor().through(raster, [0.5; 2]);
             scene.trace(&from, direction).is_some_and(|vertex| !scene.has_finite(&vertex))
         };
         let hits = (0..64 * 48).filter(|&index| hit(index)).count();

@@ -159,7 +159,8 @@ impl Mitsuba {
         command
     }
 
-    fn command(&self, module: &str) -> Command {
+    /// Runs a module of the scripts.
+    pub(crate) fn command(&self, module: &str) -> Command {
         let mut command = Command::new(&self.python);
         command.args(["-m", &format!("pathspace.{module}")]);
         if let Some(scripts) = &self.scripts {

@@ -22,7 +22,7 @@ mod method;
 mod mitsuba;
 mod own;
 mod plan;
-mod process;
+pub(crate) mod process;
 mod reference;
 mod run;
 mod score;

@@ -9,14 +9,14 @@ use std::time::{Duration, Instant};
 const LOOK_EVERY: Duration = Duration::from_millis(100);
 
 /// A line of the program's output.
-pub(super) enum Line {
+pub(crate) enum Line {
     Out(String),
     Error(String),
 }
 
 /// How a program has ended.
 #[derive(Debug)]
-pub(super) enum Ended {
+pub(crate) enum Ended {
     Itself(ExitStatus),
     /// It ran beyond its limit and was killed.
     TimedOut,
@@ -25,7 +25,7 @@ pub(super) enum Ended {
 }
 
 /// Runs a program to its end, to the time limit, or until `stopped`; whatever comes first.
-pub(super) fn run_limited(
+pub(crate) fn run_limited(
     command: &mut Command,
     limit: Duration,
     stopped: impl Fn() -> bool,

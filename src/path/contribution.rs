@@ -47,7 +47,7 @@ impl Scene {
         let edge = |i: usize| Edge::between(path.vertex(i), path.vertex(i + 1));
         let sensor = path.vertex(k);
         let importance = match sensor.kind {
-            VertexKind::Sensor => self.sensor().importance(sensor, -edge(k - 1).direction)?,
+            VertexKind::Sensor { .. } => self.sensor().importance(sensor, -edge(k - 1).direction)?,
             _ => return None,
         };
         let start = self.emitted(path.vertex(0), edge(0).direction, k) * importance.value;

@@ -6,7 +6,6 @@ use crate::measure::{Area, Density, Jacobian};
 use crate::sampler::Random;
 use crate::scene::bsdf::{LobeDensity, Side};
 use crate::scene::emitter::Emitter;
-use crate::scene::sensor::Pixel;
 use crate::scene::{EmitterId, Scene};
 use crate::spectrum::Rgb;
 use crate::wide::Wide;
@@ -76,12 +75,10 @@ impl Scene {
             return None;
         }
         if emitter.is_local() {
-            Some((*walk, sensor.sample_direct(walk, random.uniform2())?.vertex))
-        } else if sensor.has_position() {
-            let (xk, _) = sensor.sample(Pixel { x: 0, y: 0 }, random.uniform4());
-            Some((emitter.sample_direct(self.accel(), xk.position, random.uniform3())?.vertex, xk))
+            Some((*walk, sensor.sample_direct(self, walk, random)?.vertex))
         } else {
-            None
+            let xk = sensor.sample_position(self, random)?;
+            Some((emitter.sample_direct(self.accel(), xk.position, random.uniform3())?.vertex, xk))
         }
     }
 
@@ -98,7 +95,7 @@ impl Scene {
         } else if self.sensor().has_position() {
             let back = edge.reversed();
             let direct = emitter.direct_density(self.accel(), x1.position, x0, &back);
-            choice * direct.value() * self.sensor().density(back.direction).position.value()
+            choice * direct.value() * self.sensor().density(x1, back.direction).position.value()
         } else {
             0.0
         }
@@ -139,7 +136,7 @@ impl Scene {
             return Wide::new(self.sensor().direct_density(before, xk).value());
         }
         let edge = Edge::between(xk, before);
-        let last = self.sensor().density(edge.direction);
+        let last = self.sensor().density(xk, edge.direction);
         let to_area = edge.solid_angle_to_area(before);
         let start = Wide::new(last.position.value()) * (last.direction * to_area).value();
         let vertices: Vec<(&Vertex, bool)> = (0..t).map(|i| (path.vertex(k - i), path.is_dirac(k - i))).collect();

@@ -19,7 +19,7 @@ pub struct Vertex {
 }
 
 /// What a vertex lies on.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum VertexKind {
     /// A surface of the scene.
     Surface {
@@ -35,7 +35,13 @@ pub enum VertexKind {
     /// The sphere around the scene that stands for infinity, seen as this emitter; its normal points inwards.
     Infinite(EmitterId),
     /// The pinhole, a point of the lens, or a point of an orthographic film; the latter two face the scene.
-    Sensor,
+    Sensor {
+        /// ζ in `[0, 1)`: which of the pixels is meant that share the edge's point of the film, as
+        /// [`Sensor`](crate::scene::sensor::Sensor) has it.
+        zeta: f64,
+        /// The surface of the scene that it lies on: that of an irradiance meter, else none.
+        primitive: PrimitiveId,
+    },
 }
 
 impl VertexKind {
@@ -47,7 +53,7 @@ impl VertexKind {
             Self::Surface { .. } => "surface",
             Self::Light(_) => "light",
             Self::Infinite(_) => "infinity",
-            Self::Sensor => "sensor",
+            Self::Sensor { .. } => "sensor",
         }
     }
 }
@@ -58,7 +64,7 @@ impl Vertex {
     #[inline]
     pub fn primitive(&self) -> PrimitiveId {
         match self.kind {
-            VertexKind::Surface { primitive, .. } => primitive,
+            VertexKind::Surface { primitive, .. } | VertexKind::Sensor { primitive, .. } => primitive,
             _ => PrimitiveId::NONE,
         }
     }
@@ -70,7 +76,7 @@ impl Vertex {
         match self.kind {
             VertexKind::Surface { emitter, .. } => emitter,
             VertexKind::Light(emitter) | VertexKind::Infinite(emitter) => Some(emitter),
-            VertexKind::Sensor => None,
+            VertexKind::Sensor { .. } => None,
         }
     }
 

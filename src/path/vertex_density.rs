@@ -119,7 +119,7 @@ impl Scene {
             direct(x1, x0, self.emitter_probability(id).value() * density, one_direction)
         });
         let density = self.sensor().direct_density(before, xk);
-        (emitter, Some(direct(before, xk, density, !self.sensor().has_position())))
+        (emitter, Some(direct(before, xk, density, self.sensor().has_one_direction())))
     }
 
     fn first_two(&self, side: Side, first: &Vertex, second: &Vertex) -> Option<[VertexDensity; 2]> {
@@ -131,7 +131,7 @@ impl Scene {
                 let position = self.emitter_probability(id).value() * edge.position;
                 (EdgeDensity { position, ..edge }, matches!(self.emitter(id), Emitter::Directional(_)))
             }
-            Side::Sensor => (self.sensor().density(direction), !self.sensor().has_position()),
+            Side::Sensor => (self.sensor().density(first, direction), self.sensor().has_one_direction()),
         };
         let second = if one_direction {
             VertexDensity::of_dirac(DiracDensity::SolidAngle(direction), 1.0)

@@ -28,7 +28,7 @@ pub fn walk_from_sensor(
     roulette: Roulette,
     vertices: usize,
 ) -> Walk {
-    let (xk, direction) = tracer.scene().sensor().sample(pixel, random.uniform4());
+    let (xk, direction) = tracer.scene().sensor().sample(tracer.scene(), pixel, random);
     walk_on(tracer, random, Side::Sensor, roulette, vertices, (xk, direction))
 }
 

@@ -14,12 +14,14 @@ use thiserror::Error;
 use crate::geometry::Bounds;
 
 use super::bsdf::{Composite, MaterialError};
-use super::description::{FilmSize, LightKind, Material, Projection, SensorDescription};
+use super::description::{
+    FilmSize, LightKind, Material, PixelFilter, Projection, SensorDescription, ShapeIndex, Target,
+};
 use super::discrete::Discrete;
 use super::emitter::{Emitter, EmitterId};
 use super::material::SurfaceMaterial;
-use super::sensor::Sensor;
-use super::{Scene, SceneDescription};
+use super::sensor::{self, Sensor};
+use super::{Scene, SceneDescription, Surfaces};
 
 use emitters::Place;
 use geometry::bounds;
@@ -95,11 +97,11 @@ impl Builder<'_> {
         self.check_lights()?;
         let materials = self.description.materials.iter().map(|m| self.material(m)).collect::<Result<Vec<_>, _>>()?;
         let geometry = bounds(self.description);
-        let camera = self.camera(geometry)?;
+        let camera = sensor::placed(self.camera(geometry)?, geometry);
         let film = self.film(&camera)?;
         let everything = self.everything(geometry, &camera);
         let centre = everything.centre();
-        let sensor = Sensor::new(&camera, film, centre);
+        let sensor = Sensor::new(&camera, film, self.description.filter, centre);
         let (analytic, placements) = self.analytic(centre);
         let (accel, normals, order) = self.geometry(&analytic, centre, everything.radius());
         let mapping = self.mapping(&accel, &placements, &order, &materials);
@@ -114,7 +116,7 @@ impl Builder<'_> {
         let choice = choice.ok_or_else(|| self.invalid("lights", "a flux that is not finite: check the emission"))?;
         let environment = emitters.iter().position(Emitter::is_environment);
         let names = self.names(&shapes);
-        let scene = Scene {
+        let mut scene = Scene {
             name: self.description.name.clone(),
             source: self.description.source.clone(),
             centre,
@@ -132,6 +134,12 @@ impl Builder<'_> {
             surfaces: OnceLock::new(),
             names,
         };
+        if let Projection::Surface { shape } = camera.projection {
+            let surface = self.shape_number(shape).and_then(|number| Surfaces::of_shape(&scene, number));
+            let nothing = || self.invalid(&format!("sensor '{}'", camera.name), "its shape is missing or has no area");
+            let surface = surface.ok_or_else(nothing)?;
+            scene.sensor.attach(surface);
+        }
         Ok((scene, self.notes))
     }
 
@@ -172,6 +180,16 @@ impl Builder<'_> {
                 let what = "its film covers nothing of the image: the window's first corner must be left of and above the last";
                 return Err(self.invalid(&format!("camera '{}'", camera.name), what));
             }
+            if let Projection::Distant { target: Target::Parallelogram { u, v, .. } | Target::Ellipse { u, v, .. } } =
+                camera.projection
+            {
+                let seen = u.cross(v).dot(camera.forward).abs();
+                let edge_on = seen <= 1e-9 * u.length() * v.length();
+                if edge_on || !seen.is_finite() {
+                    let what = "it sees its target edge-on: turn one of them, or give the target an area";
+                    return Err(self.invalid(&format!("sensor '{}'", camera.name), what));
+                }
+            }
             return Ok(camera.clone());
         }
         let camera = framing_camera(geometry).ok_or_else(|| BuildError::NoCamera(self.description.source.clone()))?;
@@ -189,8 +207,18 @@ impl Builder<'_> {
                 FilmSize { width, height: height(half_width / half_height) }
             }
             Projection::Hemisphere | Projection::Window { .. } => FilmSize { width: 64, height: 64 },
-            Projection::Ray => return Ok(FilmSize { width: 1, height: 1 }),
+            Projection::Ray | Projection::Surface { .. } | Projection::Distant { .. } => {
+                FilmSize { width: 1, height: 1 }
+            }
         };
+        if !self.description.filter.is_valid() {
+            let what = format!(
+                "a {} filter: its radius must be above 0 and at most {} pixels",
+                self.description.filter,
+                PixelFilter::LARGEST_RADIUS
+            );
+            return Err(self.invalid("film", &what));
+        }
         let size = self.options.film.or(self.description.film).unwrap_or(default);
         let valid = 1..=65535;
         if valid.contains(&size.width) && valid.contains(&size.height) {
@@ -198,6 +226,18 @@ impl Builder<'_> {
         } else {
             Err(BuildError::EmptyFilm { file: self.description.source.clone(), size })
         }
+    }
+
+    /// Of a shape, in the order of [`shapes`](Self::shapes).
+    fn shape_number(&self, shape: ShapeIndex) -> Option<u32> {
+        let SceneDescription { meshes, spheres, disks, cylinders, .. } = self.description;
+        let (before, index, count) = match shape {
+            ShapeIndex::Mesh(index) => (0, index, meshes.len()),
+            ShapeIndex::Sphere(index) => (meshes.len(), index, spheres.len()),
+            ShapeIndex::Disk(index) => (meshes.len() + spheres.len(), index, disks.len()),
+            ShapeIndex::Cylinder(index) => (meshes.len() + spheres.len() + disks.len(), index, cylinders.len()),
+        };
+        (index < count).then_some((before + index) as u32)
     }
 }
 

@@ -30,6 +30,26 @@ impl Surfaces {
         Some(Self { primitives, choice, area })
     }
 
+    /// One shape alone, by its number in the scene; `None` where it has no area.
+    pub(super) fn of_shape(scene: &Scene, shape: u32) -> Option<Self> {
+        let accel = scene.accel();
+        let triangles = accel.triangles().filter(|(_, triangle)| triangle.shape == shape);
+        let triangles = triangles.map(|(id, triangle)| (id, triangle.area()));
+        let analytic = accel.analytic().iter().enumerate().filter(|(_, other)| other.shape() == shape);
+        let analytic = analytic.map(|(i, shape)| (accel.analytic_id(i), shape.area()));
+        let mut primitives: Vec<(PrimitiveId, f64)> = triangles.chain(analytic).collect();
+        primitives.sort_by_key(|(id, _)| id.0);
+        let (primitives, areas): (Vec<_>, Vec<_>) = primitives.into_iter().unzip();
+        let area = areas.iter().sum();
+        let choice = Discrete::new(areas).filter(|choice| !choice.is_empty() && area > 0.0)?;
+        Some(Self { primitives, choice, area })
+    }
+
+    /// A primitive of a [shape](Self::of_shape) that is one of it.
+    pub(super) fn contains(&self, primitive: PrimitiveId) -> bool {
+        self.primitives.binary_search_by_key(&primitive.0, |id| id.0).is_ok()
+    }
+
     /// Those primitives alone whose points satisfy `keep`; `None` where there are none.
     #[must_use]
     pub fn restricted(&self, scene: &Scene, keep: impl Fn(&Vertex) -> bool) -> Option<Self> {

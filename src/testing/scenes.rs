@@ -8,7 +8,7 @@ use glam::{DAffine2, DVec2, DVec3, Vec2};
 
 use crate::scene::description::{
     BsdfDescription, ConductorFresnel, FilmSize, Lens, Light, LightKind, Material, Mesh, MicrofacetKind, NormalSource,
-    Projection, SensorDescription, Sphere,
+    PixelFilter, PrincipledDescription, Projection, SensorDescription, ShapeIndex, Sphere, Target,
 };
 use crate::scene::texture::{Parameter, Texture};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
@@ -274,7 +274,8 @@ pub fn veneer(film: FilmSize) -> SceneDescription {
     scene
 }
 
-/// The cabinet with materials beyond the plain ones: tinted and brushed metal and glass of other microfacets, a pane.
+/// The cabinet with materials beyond the plain ones: tinted and brushed metal and glass of other microfacets, a pane,
+/// smooth and rough plastic, and the principled model.
 #[must_use]
 pub fn showroom(film: FilmSize) -> SceneDescription {
     let mut scene = cabinet(film);
@@ -323,6 +324,47 @@ pub fn showroom(film: FilmSize) -> SceneDescription {
             transmittance: Rgb::new(0.6, 0.8, 1.0).into(),
         },
     );
+    replace(
+        "white",
+        BsdfDescription::RoughPlastic {
+            distribution: MicrofacetKind::Ggx,
+            alpha: 0.3,
+            interior_ior: 1.5,
+            exterior_ior: 1.0,
+            diffuse: Rgb::new(0.7, 0.65, 0.6).into(),
+            specular: Rgb::new(0.9, 0.9, 1.0).into(),
+            nonlinear: true,
+        },
+    );
+    replace(
+        "red",
+        BsdfDescription::Plastic {
+            interior_ior: 1.5,
+            exterior_ior: 1.0,
+            diffuse: Rgb::new(0.7, 0.2, 0.1).into(),
+            specular: Rgb::new(0.9, 1.0, 0.8).into(),
+            nonlinear: false,
+        },
+    );
+    let principled = |spec_trans: f64| {
+        BsdfDescription::Principled(Box::new(PrincipledDescription {
+            base_color: Rgb::new(0.8, 0.5, 0.2).into(),
+            roughness: 0.5.into(),
+            anisotropic: 0.4.into(),
+            metallic: 0.2.into(),
+            spec_trans: spec_trans.into(),
+            eta: 1.4,
+            spec_tint: 0.4.into(),
+            sheen: 0.5.into(),
+            sheen_tint: 0.3.into(),
+            flatness: 0.3.into(),
+            clearcoat: 0.7.into(),
+            clearcoat_gloss: 0.2.into(),
+        }))
+    };
+    replace("bulb", principled(0.0));
+    scene.spheres.push(Sphere::new("marble", DVec3::new(-0.4, 1.4, -0.3), 0.2, scene.materials.len()));
+    scene.materials.push(material("marble", principled(0.6), Rgb::BLACK));
     scene
 }
 
@@ -351,6 +393,56 @@ pub fn gallery(film: FilmSize) -> SceneDescription {
     if let Some(camera) = &mut scene.sensor {
         camera.projection = Projection::Orthographic { half_width: 0.8, half_height: 0.6 };
     }
+    scene
+}
+
+/// A part of the cabinet, under the same lens, with pixels that share the film by a Gaussian filter.
+#[must_use]
+pub fn vignette(film: FilmSize) -> SceneDescription {
+    let mut scene = cabinet(film);
+    scene.name = "vignette".into();
+    scene.filter = PixelFilter::Gaussian { stddev: 0.5 };
+    if let Some(camera) = &mut scene.sensor {
+        camera.window = [DVec2::new(0.15, 0.1), DVec2::new(0.9, 0.8)];
+    }
+    scene
+}
+
+/// The gallery, shifted, with pixels that share the film by a tent filter.
+#[must_use]
+pub fn frieze(film: FilmSize) -> SceneDescription {
+    let mut scene = gallery(film);
+    scene.name = "frieze".into();
+    scene.filter = PixelFilter::Tent { radius: 1.25 };
+    if let Some(camera) = &mut scene.sensor {
+        camera.window = [DVec2::new(-0.1, 0.2), DVec2::new(0.8, 1.1)];
+    }
+    scene
+}
+
+/// The cabinet with an irradiance meter on one of its blocks.
+///
+/// # Panics
+/// If the cabinet has lost its block.
+#[must_use]
+pub fn photometer(film: FilmSize) -> SceneDescription {
+    let mut scene = cabinet(film);
+    scene.name = "photometer".into();
+    let block = scene.meshes.iter().position(|mesh| mesh.name == "short").expect("the cabinet has a short block");
+    if let Some(sensor) = &mut scene.sensor {
+        sensor.projection = Projection::Surface { shape: ShapeIndex::Mesh(block) };
+    }
+    scene
+}
+
+/// The terrace from infinitely far above.
+#[must_use]
+pub fn overlook(film: FilmSize) -> SceneDescription {
+    let mut scene = terrace(film);
+    scene.name = "overlook".into();
+    let mut sensor = pinhole(DVec3::ZERO, DVec3::new(0.3, -1.0, -0.2), 50.0);
+    sensor.projection = Projection::Distant { target: Target::Scene };
+    scene.sensor = Some(sensor);
     scene
 }
 

@@ -22,7 +22,7 @@ fn queries(scene: &Scene) -> Vec<(Vertex, DVec3)> {
     (0..4096)
         .filter_map(|i| {
             let pixel = Pixel { x: (i * 37) % FILM.width, y: i / 16 };
-            let (xk, direction) = scene.sensor().sample(pixel, random.uniform4());
+            let (xk, direction) = scene.sensor().sample(scene, pixel, &mut random);
             let vertex = scene.trace(&xk, direction)?;
             let onward = warp::uniform_sphere(random.uniform2());
             Some((vertex, if onward.dot(vertex.normal) < 0.0 { -onward } else { onward }))
@@ -81,7 +81,7 @@ fn walk(c: &mut Criterion) {
         b.iter(|| {
             sample += 1;
             let mut random = Random::new(3, 0, sample);
-            let (mut from, mut direction) = scene.sensor().sample(Pixel { x: 100, y: 90 }, random.uniform4());
+            let (mut from, mut direction) = scene.sensor().sample(&scene, Pixel { x: 100, y: 90 }, &mut random);
             for _ in 0..8 {
                 let Some(vertex) = scene.trace(&from, direction).filter(Vertex::scatters) else { break };
                 let Some(next) = scene.sample_scatter(&vertex, Side::Sensor, -direction, random.uniform3()) else {

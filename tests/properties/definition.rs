@@ -24,9 +24,24 @@ fn check<E: Estimator>(scene: &SceneDescription, estimator: &E) {
     assert_eq!(comparison.hidden, 0, "{}: edges that the walk has drawn are denied", scene.name);
 }
 
-fn all_scenes() -> [SceneDescription; 8] {
+fn all_scenes() -> [SceneDescription; 12] {
     use scenes::{cabinet, gallery, lanterns, observatory, room, showroom, terrace, veneer};
-    [room, cabinet, terrace, gallery, veneer, showroom, lanterns, observatory].map(|make| make(FILM))
+    use scenes::{frieze, overlook, photometer, vignette};
+    let makers = [
+        room,
+        cabinet,
+        terrace,
+        gallery,
+        veneer,
+        showroom,
+        lanterns,
+        observatory,
+        vignette,
+        frieze,
+        photometer,
+        overlook,
+    ];
+    makers.map(|make| make(FILM))
 }
 
 const SETTINGS: [&str; 5] = [

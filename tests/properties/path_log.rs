@@ -14,7 +14,7 @@ use pathspace_path_bsdf::BsdfPathTracer;
 
 const FILM: FilmSize = FilmSize { width: 12, height: 9 };
 
-fn all_scenes() -> [SceneDescription; 6] {
+fn all_scenes() -> [SceneDescription; 9] {
     let enclosure = scenes::enclosure(Rgb::new(0.5, 0.7, 0.9), Rgb::new(0.3, 0.5, 0.8), FILM);
     [
         enclosure,
@@ -23,6 +23,9 @@ fn all_scenes() -> [SceneDescription; 6] {
         scenes::terrace(FILM),
         scenes::gallery(FILM),
         scenes::veneer(FILM),
+        scenes::vignette(FILM),
+        scenes::photometer(FILM),
+        scenes::overlook(FILM),
     ]
 }
 

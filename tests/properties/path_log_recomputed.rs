@@ -146,7 +146,10 @@ fn check(scene: &Scene, text: &str, samples: u64) -> Seen {
 
 #[test]
 fn a_line_of_path_and_bdpt_recomputes_itself() {
-    for description in [scenes::room(FILM), scenes::cabinet(FILM), scenes::gallery(FILM), scenes::veneer(FILM)] {
+    for description in
+        [scenes::room, scenes::cabinet, scenes::gallery, scenes::veneer, scenes::vignette, scenes::photometer]
+    {
+        let description = description(FILM);
         let scene = scenes::build(&description);
         for heuristic in HEURISTICS {
             for (name, samplers, samples) in [("path", 2, 8), ("bdpt", 5, 4)] {

@@ -16,7 +16,7 @@ fn walk(scene: &Scene, vertices: usize) -> Vec<(Vertex, bool)> {
     let mut found: Vec<(Vertex, bool)> = Vec::new();
     while found.len() < vertices {
         let pixel = Pixel { x: (random.uniform() * 64.0) as u32, y: (random.uniform() * 64.0) as u32 };
-        let (mut at, mut direction) = scene.sensor().sample(pixel, random.uniform4());
+        let (mut at, mut direction) = scene.sensor().sample(scene, pixel, &mut random);
         let mut traced = false;
         for _ in 0..6 {
             let Some(next) = scene.trace(&at, direction).filter(Vertex::scatters) else { break };

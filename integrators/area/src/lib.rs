@@ -40,7 +40,7 @@ impl PathSampler for AreaSampler {
         for edges in 1..=*lengths.end() {
             from_sensor.push((surfaces.sample(scene, random.uniform3()), false));
             if edges == 1 {
-                let Some(direct) = scene.sensor().sample_direct(&from_sensor[0].0, random.uniform2()) else { return };
+                let Some(direct) = scene.sensor().sample_direct(scene, &from_sensor[0].0, random) else { return };
                 from_sensor.insert(0, (direct.vertex, false));
             }
             if lengths.contains(&edges)

@@ -157,7 +157,7 @@ impl<S: Sink> Connector<'_, '_, S> {
         if !a.vertex.scatters() || !a.connects {
             return;
         }
-        let Some(direct) = scene.sensor().sample_direct(&a.vertex, self.random.uniform2()) else { return };
+        let Some(direct) = scene.sensor().sample_direct(scene, &a.vertex, self.random) else { return };
         let xk = direct.vertex;
         let edge = Edge::between(&a.vertex, &xk);
         let Some(importance) = scene.sensor().importance(&xk, -edge.direction) else { return };
@@ -186,7 +186,9 @@ impl<S: Sink> Connector<'_, '_, S> {
         let k = s - 1;
         let a = &self.y[k - 1];
         let Some(onward) = a.onward else { return };
-        let Some(xk) = scene.sensor().crossing(&a.vertex, onward.direction, onward.length) else { return };
+        let Some(xk) = scene.sensor().crossing(scene, &a.vertex, onward.direction, onward.length, self.random) else {
+            return;
+        };
         let Some(importance) = scene.sensor().importance(&xk, -onward.direction) else { return };
         if k == 1 && !scene.emitter(self.emitter).can_be_hit() {
             return;
@@ -313,11 +315,11 @@ impl<S: Sink> Connector<'_, '_, S> {
 
     /// The sensor's densities of x_k and x_{k−1}, for an x_k that its walk has not drawn; `edge` leads from x_{k−1} to x_k.
     fn fill_film_end(&mut self, xk: &Vertex, before: &Vertex, edge: &Edge) {
-        let density = self.tracer.scene().sensor().density(-edge.direction);
+        let density = self.tracer.scene().sensor().density(xk, -edge.direction);
         let back = edge.reversed();
         let vertices = self.densities.vertices_mut();
         let k = vertices.len() - 1;
-        debug_assert!(xk.kind == VertexKind::Sensor, "the last vertex is on the sensor");
+        debug_assert!(matches!(xk.kind, VertexKind::Sensor { .. }), "the last vertex is on the sensor");
         vertices[k].sensor = density.position.value();
         vertices[k - 1].sensor = (density.direction * back.solid_angle_to_area(before)).value();
     }

@@ -96,12 +96,13 @@ pub(crate) fn from_sensor(
     walk: &mut Vec<WalkVertex>,
 ) {
     let scene = tracer.scene();
-    let (xk, direction) = scene.sensor().sample(pixel, random.uniform4());
-    let density = scene.sensor().density(direction);
+    let (xk, direction) = scene.sensor().sample(scene, pixel, random);
+    let density = scene.sensor().density(&xk, direction);
     walk.clear();
-    // W_e / p is one: walks are drawn in proportion to the pixel's importance.
-    walk.push(WalkVertex::new(scene, xk, direction, Rgb::WHITE, density.position));
-    let first = onward(direction, Rgb::WHITE, LobeDensity::Finite(density.direction));
+    // Walks are drawn in proportion to the pixel's importance.
+    let response = Rgb::grey(scene.sensor().response());
+    walk.push(WalkVertex::new(scene, xk, direction, response, density.position));
+    let first = onward(direction, response, LobeDensity::Finite(density.direction));
     extend(tracer, random, Side::Sensor, limits, first, walk);
 }
 

@@ -9,7 +9,8 @@ use glam::{DAffine2, DMat3, DVec3};
 use pathspace::estimator::{Control, Integrator};
 use pathspace::film::Film;
 use pathspace::scene::description::{
-    Cylinder, Disk, EnvironmentDescription, FilmSize, Light, LightKind, Projection, SensorDescription, Sphere,
+    Cylinder, Disk, EnvironmentDescription, FilmSize, Light, LightKind, Projection, SensorDescription, ShapeIndex,
+    Sphere, Target,
 };
 use pathspace::scene::emitter::Emitter;
 use pathspace::scene::texture::{Parameter, Texture};
@@ -98,7 +99,7 @@ fn with_sphere(mut scene: SceneDescription, centre: DVec3, radius: f64) -> Scene
 #[test]
 fn irradiance_below_a_square() {
     let scene = with_square(dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Hemisphere)));
-    meets("square", &scene, PI, 3.0 * 0.752_274_688_454_1, &ALL);
+    meets("square", &scene, 1.0, 3.0 * 0.752_274_688_454_1, &ALL);
 }
 
 /// `E = Φ/(4π r²) cos θ` with `Φ = 4π² a² L`, that is `π L (a/r)² cos θ`: radiance, times the sphere's projected solid angle.
@@ -219,7 +220,7 @@ fn irradiance_of_a_sphere_and_its_cosine() {
         let scene = with_sphere(dark(meter), DVec3::Y * distance, radius);
         let expected = PI * 3.0 * (radius / distance).powi(2) * angle.cos();
         // Walks from the sensor meet a small sphere by chance only.
-        meets("sphere", &scene, PI, expected, if radius == 0.5 { &ALL } else { &["light", "bdpt"] });
+        meets("sphere", &scene, 1.0, expected, if radius == 0.5 { &ALL } else { &["light", "bdpt"] });
     }
 }
 
@@ -235,7 +236,7 @@ fn irradiance_of_a_point_light_is_the_limit_of_spheres() {
         let radiance = intensity / (PI * radius * radius);
         let mut sphere = dark(sensor(DVec3::ZERO, DVec3::Y, Projection::Hemisphere));
         sphere.materials[1].emission = Rgb::grey(radiance).into();
-        meets("small sphere", &with_sphere(sphere, position, radius), PI, expected, &["light", "bdpt"]);
+        meets("small sphere", &with_sphere(sphere, position, radius), 1.0, expected, &["light", "bdpt"]);
     }
     let floor = |lit: &dyn Fn(&mut SceneDescription)| {
         let mut scene = dark(sensor(DVec3::new(0.0, 1.0, 0.0), -DVec3::Y, Projection::Hemisphere));
@@ -281,15 +282,15 @@ fn flux_leaves_through_a_box() {
     };
     // Two opposed unit squares at distance one exchange F π L A, with F = 0.19982489569839.
     let scene = with_square(dark(window(DVec3::ZERO, DVec3::Y, 0.5)));
-    meets("opposed squares", &scene, PI, PI * 3.0 * 0.199_824_895_698_39, &ALL);
+    meets("opposed squares", &scene, 1.0, PI * 3.0 * 0.199_824_895_698_39, &ALL);
     let radius = 0.3;
     let mut total = 0.0;
     let mut variance = 0.0;
     for axis in [DVec3::X, DVec3::Y, DVec3::Z, -DVec3::X, -DVec3::Y, -DVec3::Z] {
         let scene = with_sphere(dark(window(axis, -axis, 1.0)), DVec3::new(0.2, -0.1, 0.3), radius);
         let (mean, error) = measure("path", &scene, 2000);
-        total += 4.0 * PI * mean;
-        variance += (4.0 * PI * error).powi(2);
+        total += 4.0 * mean;
+        variance += (4.0 * error).powi(2);
     }
     let expected = 4.0 * PI * radius * radius * PI * 3.0;
     assert!((total - expected).abs() < 4.5 * variance.sqrt(), "{total} ± {}, expected {expected}", variance.sqrt());
@@ -326,4 +327,101 @@ fn irradiance_is_the_integral_of_radiance_by_cosine() {
     let irradiance = PI * sum / f64::from(n * n);
     // The integrand is an indicator; cells that the square's edge crosses leave an error of about 1/n of its perimeter.
     assert!((irradiance / (3.0 * 0.752_274_688_454_1) - 1.0).abs() < 0.02, "{irradiance}");
+}
+
+fn on_surface(shape: ShapeIndex) -> SensorDescription {
+    sensor(DVec3::ZERO, DVec3::Y, Projection::Surface { shape })
+}
+
+/// A unit square opposite the lamp at distance one: `F π L` with the F of two opposed squares, wherever its pixels are.
+#[test]
+fn irradiance_on_a_mesh() {
+    let mut scene = with_square(dark(on_surface(ShapeIndex::Mesh(1))));
+    let corner = DVec3::new(-0.5, 0.0, 0.5);
+    scene.meshes.push(scenes::rectangle("meter", corner, DVec3::X, -DVec3::Z, 0));
+    meets("opposed squares", &scene, 1.0, PI * 3.0 * 0.199_824_895_698_39, &ALL);
+    // Its back sees nothing.
+    scene.meshes[1].triangles.iter_mut().for_each(|triangle| triangle.reverse());
+    for name in ALL {
+        assert_eq!(measure(name, &scene, 100).0, 0.0, "{name}");
+    }
+}
+
+/// A small lamp of area s² that faces a sphere at distance d from its centre gives it the flux `π L s² (r/d)²`, whatever its
+/// radius r, so `E = L s² / 4d²`, but for terms of the order s²/d².
+fn sphere_before_a_small_lamp(film: FilmSize) -> (SceneDescription, f64) {
+    let (side, distance) = (0.02, 1.5);
+    let mut scene = dark(on_surface(ShapeIndex::Sphere(0)));
+    scene.film = Some(film);
+    scene.spheres.push(Sphere::new("meter", DVec3::new(0.1, 0.2, -0.3), 0.4, 0));
+    let corner = DVec3::new(0.1, 0.2 + distance, -0.3) - 0.5 * side * (DVec3::X + DVec3::Z);
+    scene.meshes.push(scenes::rectangle("lamp", corner, DVec3::X * side, DVec3::Z * side, 1));
+    (scene, 3.0 * side * side / (4.0 * distance * distance))
+}
+
+#[test]
+fn irradiance_on_a_sphere() {
+    let (scene, expected) = sphere_before_a_small_lamp(FilmSize { width: 8, height: 8 });
+    meets("sphere", &scene, 1.0, expected, &["light", "bdpt"]);
+}
+
+/// In a closed enclosure of one emission and albedo, meters included, `E = π L_e (1 + ρ + ρ²)` for paths of three edges: what
+/// the meter's own surface scatters comes back to it.
+#[test]
+fn irradiance_in_an_enclosure() {
+    let (emission, albedo) = (0.7, 0.6);
+    let expected = PI * emission * (1.0 + albedo + albedo * albedo);
+    for shape in [ShapeIndex::Sphere(0), ShapeIndex::Mesh(1)] {
+        let film = FilmSize { width: 8, height: 8 };
+        let mut scene = scenes::enclosure(Rgb::grey(emission), Rgb::grey(albedo), film);
+        scene.spheres.push(Sphere::new("ball", DVec3::new(0.4, -0.1, 0.2), 0.3, 0));
+        let (least, most) = (DVec3::new(-0.6, -0.3, -0.7), DVec3::new(-0.1, 0.4, -0.2));
+        scene.meshes.push(scenes::cuboid("block", least, most, false, 0));
+        scene.sensor = Some(on_surface(shape));
+        meets(&format!("{shape:?}"), &scene, 1.0, expected, &ALL);
+    }
+}
+
+/// All pixels of a meter without an image measure the same.
+#[test]
+fn every_pixel_measures_the_same() {
+    let (scene, expected) = sphere_before_a_small_lamp(FilmSize { width: 3, height: 2 });
+    let scene = scenes::build(&scene);
+    for name in ["light", "bdpt"] {
+        let mut film = Film::new(3, 2, None).expect("it has pixels");
+        integrator(name).render(&scene, 3, &mut film, &mut Passes(20_000));
+        for pixel in &film.mean_image().pixels {
+            // Of 20 000 samples of a bounded quantity; several per cent would be seen.
+            assert!((pixel.g / expected - 1.0).abs() < 0.06, "{name}: {} of {expected}", pixel.g);
+        }
+    }
+}
+
+/// From far away the mean over the target: the lamp's radiance where the target is the lamp, and its share of the scene's
+/// cross-section, by the cosine, where the target is all.
+#[test]
+fn radiance_from_far_away() {
+    for angle in [0.0, 0.7_f64] {
+        let forward = DVec3::new(angle.sin(), angle.cos(), 0.0);
+        let distant = |target| with_square(dark(sensor(DVec3::ZERO, forward, Projection::Distant { target })));
+        let (centre, u, v) = (DVec3::Y, DVec3::X * 0.5, DVec3::Z * 0.5);
+        for target in [
+            Target::Point(DVec3::new(0.1, 1.0, 0.2)),
+            Target::Parallelogram { centre, u, v },
+            Target::Ellipse { centre, u, v },
+        ] {
+            for name in ["path", "path_bsdf"] {
+                let (mean, error) = measure(name, &distant(target), 20);
+                assert!((mean - 3.0).abs() < 1e-12 && error < 1e-12, "{target:?}, {name}: {mean} ± {error}");
+            }
+        }
+        meets("a target", &distant(Target::Ellipse { centre, u, v }), 1.0, 3.0, &["light", "bdpt"]);
+        let twice = Target::Parallelogram { centre, u: 2.0 * u, v };
+        meets("half a target", &distant(twice), 1.0, 1.5, &ALL);
+        // Four times the disk's area has the square in its middle.
+        let disk = Target::Ellipse { centre, u: 2.0 * u, v: 2.0 * v };
+        meets("in a disk", &distant(disk), 1.0, 3.0 / PI, &ALL);
+        let radius = 0.5_f64.sqrt() * (1.0 + 1500.0 / f64::from(1 << 24));
+        meets("all", &distant(Target::Scene), 1.0, 3.0 * angle.cos() / (PI * radius * radius), &ALL);
+    }
 }

@@ -128,11 +128,11 @@ impl Estimator for LightTracer {
         let Some(mut departure) = self.emit(scene, &mut walk, id, &emission.vertex, emission.direction) else { return };
         for edges in 1..=self.max_length {
             let Some(vertex) = tracer.trace(&departure.from, departure.direction) else {
-                self.add_lens_hit(scene, &mut walk, &departure, f64::INFINITY, edges);
+                self.add_lens_hit(scene, random, &mut walk, &departure, f64::INFINITY, edges);
                 return;
             };
             let distance = (vertex.position - departure.from.position).length();
-            self.add_lens_hit(scene, &mut walk, &departure, distance, edges);
+            self.add_lens_hit(scene, random, &mut walk, &departure, distance, edges);
             if !vertex.scatters() || edges == self.max_length {
                 return;
             }
@@ -203,13 +203,14 @@ impl LightTracer {
     fn add_lens_hit<S: Sink>(
         &self,
         scene: &Scene,
+        random: &mut Random,
         walk: &mut Walk<'_, S>,
         departure: &Departure,
         t_max: f64,
         edges: u32,
     ) {
         let x = &departure.from;
-        let Some(xk) = scene.sensor().crossing(x, departure.direction, t_max) else { return };
+        let Some(xk) = scene.sensor().crossing(scene, x, departure.direction, t_max, random) else { return };
         if edges == 1 && !x.emitter().is_some_and(|id| scene.emitter(id).can_be_hit()) {
             return;
         }
@@ -232,7 +233,7 @@ impl LightTracer {
         // s = t = 1 draws x_k first and x_0 for it.
         let edge = Edge::between(xk, x);
         let walk = emitter.emission_density(x, -edge.direction).position.value();
-        let position = scene.sensor().density(edge.direction).position.value();
+        let position = scene.sensor().density(xk, edge.direction).position.value();
         position * emitter.direct_density(scene.accel(), xk.position, x, &edge).value() / walk
     }
 
@@ -247,7 +248,7 @@ impl LightTracer {
         edges: u32,
     ) {
         let scene = tracer.scene();
-        let Some(direct) = scene.sensor().sample_direct(x, random.uniform2()) else { return };
+        let Some(direct) = scene.sensor().sample_direct(scene, x, random) else { return };
         let xk = direct.vertex;
         let edge = Edge::between(x, &xk);
         let Some(importance) = scene.sensor().importance(&xk, -edge.direction) else { return };

@@ -54,7 +54,7 @@ struct Walk<'a, S> {
     pixel: Pixel,
     /// f/p of the walk so far.
     throughput: Rgb,
-    /// The radiance's η² in it, which roulette is not to see.
+    /// The sensor's response and the radiance's η² in it, which roulette is not to see.
     scale: f64,
     /// x_k … with their Dirac marks, where the sink records.
     history: Vec<(Vertex, bool)>,
@@ -92,8 +92,10 @@ impl Estimator for PathTracer {
 
     fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
         let scene = tracer.scene();
-        let (xk, direction) = scene.sensor().sample(pixel, random.uniform4());
-        let mut walk = Walk { pixel, throughput: Rgb::WHITE, scale: 1.0, history: Vec::new(), sink };
+        let (xk, direction) = scene.sensor().sample(scene, pixel, random);
+        let response = scene.sensor().response();
+        let throughput = Rgb::grey(response);
+        let mut walk = Walk { pixel, throughput, scale: response, history: Vec::new(), sink };
         if S::RECORDS {
             walk.history.push((xk, false));
         }

@@ -54,8 +54,8 @@ impl Estimator for BsdfPathTracer {
 
     fn sample<S: Sink>(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, (): &mut (), sink: &mut S) {
         let scene = tracer.scene();
-        let (xk, mut direction) = scene.sensor().sample(pixel, random.uniform4());
-        let (mut throughput, mut energy) = (Rgb::WHITE, Rgb::WHITE);
+        let (xk, mut direction) = scene.sensor().sample(scene, pixel, random);
+        let (mut throughput, mut energy) = (Rgb::grey(scene.sensor().response()), Rgb::WHITE);
         let mut history = if S::RECORDS { vec![(xk, false)] } else { Vec::new() };
         let mut previous = xk;
         for edges in 1..=self.max_length {

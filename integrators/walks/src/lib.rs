@@ -200,7 +200,7 @@ impl Walks {
                 let Some((x0, xk)) = scene.sample_two(id, &y[0].0, random) else { continue };
                 Path::new([(x0, false), (xk, false)])
             } else {
-                let Some(direct) = scene.sensor().sample_direct(&y[s - 1].0, random.uniform2()) else { continue };
+                let Some(direct) = scene.sensor().sample_direct(scene, &y[s - 1].0, random) else { continue };
                 joined(&y[..s], &[(direct.vertex, false)])
             };
             if let Some(path) = path.filter(|path| lengths.contains(&(path.edges() as u32))) {
@@ -219,7 +219,9 @@ impl Walks {
         let scene = tracer.scene();
         let (_, walk) = walk_from_emitter(tracer, random, self.roulette, (*lengths.end() as usize).saturating_add(1));
         for (i, (direction, length)) in walk.rays.into_iter().enumerate() {
-            let Some(xk) = scene.sensor().crossing(&walk.vertices[i].0, direction, length) else { continue };
+            let Some(xk) = scene.sensor().crossing(scene, &walk.vertices[i].0, direction, length, random) else {
+                continue;
+            };
             if lengths.contains(&(i as u32 + 1))
                 && let Some(path) = Path::new(walk.vertices[..=i].iter().copied().chain([(xk, false)]))
             {

@@ -323,7 +323,13 @@ fn load_all(manifest: &Manifest) -> anyhow::Result<Vec<Subject>> {
         let light_selection = manifest.light_selection;
         let parameters = entry.parameters.clone().into_iter().collect();
         let options = LoadOptions { film, camera, light_selection, parameters, ..LoadOptions::default() };
-        load(&entry.file, &options)
+        let subject = load(&entry.file, &options)?;
+        let is_xml = subject.scene.source().extension().is_some_and(|ending| ending == "xml");
+        if is_xml && wants_mitsuba(manifest) {
+            let name = subject.scene.name();
+            complain("note", &format!("{name}: Mitsuba renders it by our export, not from the file itself"));
+        }
+        Ok(subject)
     };
     manifest.scenes.iter().map(|entry| load(entry)).collect()
 }

@@ -1,6 +1,6 @@
 //! The path log: what a sampler drew, path by path, with every density that is needed to think about it.
 //!
-//! # JSON lines, schema 2
+//! # JSON lines, schema 3
 //!
 //! One line is one [`PathRecord`], a term of the estimator with its path; the fields are documented there and in the
 //! types that it holds, and nowhere else. Conventions:
@@ -12,7 +12,8 @@
 //!   none. It is also what NaN and ∞ become, which no right contribution is.
 //! - Lengths are in metres in the world. x_0 lies on an emitter, x_k on the sensor.
 //!
-//! Schema 2 added `sampler` of the line, and `length_probability` and `p` of its `techniques`.
+//! Schema 2 added `sampler` of the line, and `length_probability` and `p` of its `techniques`; schema 3 `zeta` of the
+//! vertices.
 //!
 //! # Recomputing weight and contribution
 //!

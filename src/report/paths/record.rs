@@ -14,7 +14,7 @@ use crate::scene::bsdf::Side;
 use crate::wide::Wide;
 
 /// The version of the lines that this library writes.
-pub const SCHEMA: u32 = 2;
+pub const SCHEMA: u32 = 3;
 
 /// A term of the estimator with its path; see [the module](super) for the conventions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -120,6 +120,9 @@ pub struct VertexRecord {
     pub kind: String,
     /// The path takes a Dirac lobe here.
     pub dirac: bool,
+    /// At the sensor: ζ in `[0, 1)`, which of the pixels is meant that share the point of the film. The line's densities are
+    /// those of the path together with it.
+    pub zeta: Option<f64>,
     /// What the surface is made of.
     pub material: Option<NamedId>,
     /// The emitter that it lies on.
@@ -259,6 +262,7 @@ fn vertices(scene: &Scene, rules: Option<WalkRules>, path: &Path) -> Vec<VertexR
         letter: scene.letter(path, i),
         kind: vertex.kind.name().to_owned(),
         dirac: path.is_dirac(i),
+        zeta: if let VertexKind::Sensor { zeta, .. } = vertex.kind { Some(zeta) } else { None },
         material: match vertex.kind {
             VertexKind::Surface { material, .. } => {
                 Some(NamedId { id: material.0, name: scene.material_name(material).to_owned() })

@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-use super::perturbed::TurnedFrame;
+use super::material::coated;
+use super::perturbed::{TurnedFrame, TurnedNormal};
 use super::{Bsdf, BsdfModel, BsdfSample, LobeDensity, MaterialError, Side, opposite};
 use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::scene::description::{BsdfDescription, NormalSource};
@@ -44,6 +45,19 @@ pub(crate) struct TexturedLeaf {
     example: Bsdf,
 }
 
+/// The answer of a textured leaf at a point.
+macro_rules! at_point {
+    ($leaf:expr, $at:expr, $model:ident => $answer:expr) => {
+        match coated(&$leaf.example, &$leaf.description, $at) {
+            Some($model) => $answer,
+            None => {
+                let $model = Bsdf::at(&$leaf.description, $at).expect("a textured leaf is no composite");
+                $answer
+            }
+        }
+    };
+}
+
 impl Composite {
     /// From a description.
     pub(crate) fn new(description: &BsdfDescription) -> Result<Self, MaterialError> {
@@ -77,7 +91,9 @@ impl Composite {
             }
             leaf => {
                 let bsdf = Bsdf::new(leaf)?;
-                if leaf.textures().is_empty() {
+                // glTF turns its anisotropy by where v goes.
+                let turned = matches!(leaf, BsdfDescription::Gltf(gltf) if gltf.anisotropy.is_some());
+                if leaf.textures().is_empty() && !turned {
                     Self::Leaf(bsdf)
                 } else {
                     Self::Textured(Box::new(TexturedLeaf { description: leaf.clone(), example: bsdf }))
@@ -189,6 +205,7 @@ impl BsdfDescription {
             } => {
                 vec![texture]
             }
+            Self::Gltf(gltf) => gltf.textures(),
             Self::Null | Self::TwoSided { .. } => Vec::new(),
         }
     }
@@ -247,20 +264,16 @@ impl<'a> CompositeAt<'a> {
         clamped(share.at(&self.at), 0.0, 1.0)
     }
 
-    fn textured(&self, leaf: &TexturedLeaf) -> Bsdf {
-        Bsdf::at(&leaf.description, &self.at).expect("a textured leaf is no composite")
-    }
-
     /// The model of the side that `v` is on, and whether that is the back.
     fn side(&self, front: &'a Composite, back: &'a Option<Box<Composite>>, v: DVec3) -> (Self, bool) {
         let behind = v.z < 0.0;
         (self.nested(if behind { back.as_deref().unwrap_or(front) } else { front }), behind)
     }
 
-    fn turned(&self, normal: &NormalSource, nested: &'a Composite) -> (TurnedFrame, Self) {
-        let frame = TurnedFrame::new(normal, &self.at);
+    /// The nested model in a frame.
+    fn in_frame(&self, frame: TurnedFrame, nested: &'a Composite) -> Self {
         let tangents = self.at.tangents.map(|tangent| frame.to_nested(tangent));
-        (frame, Self { model: nested, at: SurfacePoint { tangents, ..self.at } })
+        Self { model: nested, at: SurfacePoint { tangents, ..self.at } }
     }
 }
 
@@ -269,7 +282,7 @@ impl BsdfModel for CompositeAt<'_> {
         match self.model {
             Composite::Null => Rgb::BLACK,
             Composite::Leaf(bsdf) => bsdf.eval(to_emitter, to_sensor),
-            Composite::Textured(leaf) => self.textured(leaf).eval(to_emitter, to_sensor),
+            Composite::Textured(leaf) => at_point!(leaf, &self.at, model => model.eval(to_emitter, to_sensor)),
             Composite::TwoSided { front, back } => match self.side(front, back, to_sensor) {
                 (model, true) => model.eval(turned_over(to_emitter), turned_over(to_sensor)),
                 (model, false) => model.eval(to_emitter, to_sensor),
@@ -283,9 +296,11 @@ impl BsdfModel for CompositeAt<'_> {
                 first * (1.0 - weight) + second * weight
             }
             Composite::Perturbed { normal, nested } => {
-                let (frame, nested) = self.turned(normal, nested);
+                let normal = TurnedNormal::new(normal, &self.at);
+                let frame = normal.frame(to_sensor);
                 let Some([i, o]) = frame.both_to_nested(to_emitter, to_sensor) else { return Rgb::BLACK };
-                nested.eval(i, o) * TurnedFrame::ratio(to_emitter, i)
+                let factor = TurnedFrame::ratio(to_emitter, i) * normal.shadowing(to_emitter);
+                self.in_frame(frame, nested).eval(i, o) * factor
             }
         }
     }
@@ -294,7 +309,7 @@ impl BsdfModel for CompositeAt<'_> {
         match self.model {
             Composite::Null => Density::ZERO,
             Composite::Leaf(bsdf) => bsdf.density(from, to),
-            Composite::Textured(leaf) => self.textured(leaf).density(from, to),
+            Composite::Textured(leaf) => at_point!(leaf, &self.at, model => model.density(from, to)),
             Composite::TwoSided { front, back } => match self.side(front, back, from) {
                 (model, true) => model.density(turned_over(from), turned_over(to)),
                 (model, false) => model.density(from, to),
@@ -306,8 +321,12 @@ impl BsdfModel for CompositeAt<'_> {
                 Density::new((1.0 - weight) * first + weight * second)
             }
             Composite::Perturbed { normal, nested } => {
-                let (frame, nested) = self.turned(normal, nested);
-                frame.both_to_nested(from, to).map_or(Density::ZERO, |[from, to]| nested.density(from, to))
+                let normal = TurnedNormal::new(normal, &self.at);
+                let parts = normal.choice(from).map(|(frame, share)| {
+                    let both = frame.both_to_nested(from, to).filter(|_| share > 0.0);
+                    both.map_or(0.0, |[from, to]| self.in_frame(frame, nested).density(from, to).value() * share)
+                });
+                Density::new(parts[0] + parts[1])
             }
         }
     }
@@ -322,7 +341,7 @@ impl BsdfModel for CompositeAt<'_> {
                 }
             }
             Composite::Leaf(bsdf) => bsdf.eval_dirac(to_emitter, to_sensor),
-            Composite::Textured(leaf) => self.textured(leaf).eval_dirac(to_emitter, to_sensor),
+            Composite::Textured(leaf) => at_point!(leaf, &self.at, model => model.eval_dirac(to_emitter, to_sensor)),
             Composite::TwoSided { front, back } => match self.side(front, back, to_sensor) {
                 (model, true) => model.eval_dirac(turned_over(to_emitter), turned_over(to_sensor)),
                 (model, false) => model.eval_dirac(to_emitter, to_sensor),
@@ -338,8 +357,10 @@ impl BsdfModel for CompositeAt<'_> {
                 first * (1.0 - weight) + second * weight
             }
             Composite::Perturbed { normal, nested } => {
-                let (frame, nested) = self.turned(normal, nested);
-                frame.both_to_nested(to_emitter, to_sensor).map_or(Rgb::BLACK, |[i, o]| nested.eval_dirac(i, o))
+                let normal = TurnedNormal::new(normal, &self.at);
+                let frame = normal.frame(to_sensor);
+                let Some([i, o]) = frame.both_to_nested(to_emitter, to_sensor) else { return Rgb::BLACK };
+                self.in_frame(frame, nested).eval_dirac(i, o) * normal.shadowing(to_emitter)
             }
         }
     }
@@ -354,7 +375,7 @@ impl BsdfModel for CompositeAt<'_> {
                 }
             }
             Composite::Leaf(bsdf) => bsdf.density_dirac(side, from, to),
-            Composite::Textured(leaf) => self.textured(leaf).density_dirac(side, from, to),
+            Composite::Textured(leaf) => at_point!(leaf, &self.at, model => model.density_dirac(side, from, to)),
             Composite::TwoSided { front, back } => match self.side(front, back, from) {
                 (model, true) => model.density_dirac(side, turned_over(from), turned_over(to)),
                 (model, false) => model.density_dirac(side, from, to),
@@ -370,9 +391,12 @@ impl BsdfModel for CompositeAt<'_> {
                 Density::new((1.0 - weight) * first + weight * second)
             }
             Composite::Perturbed { normal, nested } => {
-                let (frame, nested) = self.turned(normal, nested);
+                let normal = TurnedNormal::new(normal, &self.at);
+                let (_, to_sensor) = side.by_role(from, to);
+                let frame = normal.frame(to_sensor);
                 let Some([f, t]) = frame.both_to_nested(from, to) else { return Density::ZERO };
-                nested.density_dirac(side, f, t) * TurnedFrame::dirac_ratio(side, [from, f], [to, t])
+                let ratio = TurnedFrame::dirac_ratio(side, [from, f], [to, t]) * normal.share(from, to_sensor);
+                self.in_frame(frame, nested).density_dirac(side, f, t) * ratio
             }
         }
     }
@@ -383,7 +407,7 @@ impl BsdfModel for CompositeAt<'_> {
                 Some(BsdfSample { to: -from, density: LobeDensity::Dirac(Density::new(1.0)), value: Rgb::WHITE })
             }
             Composite::Leaf(bsdf) => bsdf.sample(side, from, u),
-            Composite::Textured(leaf) => self.textured(leaf).sample(side, from, u),
+            Composite::Textured(leaf) => at_point!(leaf, &self.at, model => model.sample(side, from, u)),
             Composite::TwoSided { front, back } => match self.side(front, back, from) {
                 (model, true) => {
                     let sample = model.sample(side, turned_over(from), u)?;
@@ -411,11 +435,22 @@ impl BsdfModel for CompositeAt<'_> {
                 self.whole(side, from, sample.to, matches!(sample.density, LobeDensity::Dirac(_)))
             }
             Composite::Perturbed { normal, nested } => {
-                let (frame, nested) = self.turned(normal, nested);
+                let normal = TurnedNormal::new(normal, &self.at);
+                let [(first, share), (second, rest)] = normal.choice(from);
+                let (frame, u2) = if u[2] < share { (first, u[2] / share) } else { (second, (u[2] - share) / rest) };
                 let nested_from = frame.same_side(from)?;
-                let sample = nested.sample(side, nested_from, u)?;
+                let u = [u[0], u[1], u2.min(1.0_f64.next_down())];
+                let sample = self.in_frame(frame, nested).sample(side, nested_from, u)?;
                 let to = frame.to_outer(sample.to);
-                self.whole(side, from, to, matches!(sample.density, LobeDensity::Dirac(_)))
+                // What this frame refuses is not to pass for a sample of the other one.
+                frame.same_side(to)?;
+                let dirac = matches!(sample.density, LobeDensity::Dirac(_));
+                let (_, to_sensor) = side.by_role(from, to);
+                // Another frame's mirror joins nothing to the sensor.
+                if dirac && frame != normal.frame(to_sensor) {
+                    return None;
+                }
+                self.whole(side, from, to, dirac)
             }
         }
     }
@@ -427,7 +462,9 @@ impl BsdfModel for CompositeAt<'_> {
         match self.model {
             Composite::Null | Composite::TwoSided { .. } => 1.0,
             Composite::Leaf(bsdf) => bsdf.radiance_scale(to_emitter, to_sensor),
-            Composite::Textured(leaf) => self.textured(leaf).radiance_scale(to_emitter, to_sensor),
+            Composite::Textured(leaf) => {
+                at_point!(leaf, &self.at, model => model.radiance_scale(to_emitter, to_sensor))
+            }
             Composite::Mask { nested, .. } | Composite::Perturbed { nested, .. } => {
                 self.nested(nested).radiance_scale(to_emitter, to_sensor)
             }

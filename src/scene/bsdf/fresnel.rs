@@ -120,6 +120,38 @@ impl Interface {
     }
 }
 
+/// The share of diffuse light that an interface of dielectrics reflects, `∫ 2 cos θ F(cos θ) dcos θ`, for an index beyond it
+/// relative to that on the light's side.
+///
+/// From a half to two the fits that Mitsuba has, of Egan and Hilgeman (1973) below one and of d'Eon and Irving (2011) above:
+/// within 0.6 %. The exact integral elsewhere, where the first of them soon exceeds one.
+#[must_use]
+pub fn diffuse_reflectance(index: f64) -> f64 {
+    let inverse = 1.0 / index;
+    if (0.5..1.0).contains(&index) {
+        0.0636 * inverse + (0.6681 + index * (0.7099 - 1.4399 * index))
+    } else if (1.0..=2.0).contains(&index) {
+        let fit = [0.919_317, -3.4793, 6.753_35, -7.809_89, 4.985_54, -1.368_81];
+        fit.iter().rev().fold(0.0, |sum, coefficient| sum * inverse + coefficient)
+    } else {
+        exact_diffuse_reflectance(index)
+    }
+}
+
+/// The integral of [`diffuse_reflectance`] (Walsh 1926), and by `1 − R(1/n) = (1 − R(n)) / n²` from the denser side.
+fn exact_diffuse_reflectance(index: f64) -> f64 {
+    if index < 1.0 {
+        return 1.0 - (1.0 - exact_diffuse_reflectance(1.0 / index)) * (index * index);
+    }
+    let n = index;
+    let (n2, n4) = (n * n, n * n * n * n);
+    let (less, more) = (n2 - 1.0, n2 + 1.0);
+    0.5 + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0) * (n + 1.0))
+        + n2 * less * less / (more * more * more) * libm::log((n - 1.0) / (n + 1.0))
+        - 2.0 * n * n2 * (n2 + 2.0 * n - 1.0) / (more * (n4 - 1.0))
+        + 8.0 * n4 * (n4 + 1.0) / (more * (n4 - 1.0) * (n4 - 1.0)) * libm::log(n)
+}
+
 /// The share of the flux that a metal reflects at the angle with this cosine.
 #[must_use]
 #[inline]
@@ -153,4 +185,22 @@ pub fn conductor_channel(eta: f64, k: f64, cos: f64) -> f64 {
         if sum > 0.0 { (difference / sum).min(1.0) } else { 1.0 }
     };
     0.5 * (ratio(c, 0.0) + ratio(re * c, im * c))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Against the midpoint rule in cos², on which the integrand's kink at the critical angle costs little.
+    #[test]
+    fn diffuse_reflectances_are_integrals() {
+        for index in [0.1, 0.3, 0.51, 0.6, 0.75, 1.2, 1.5, 1.9, 2.4, 9.0, 12.0] {
+            let n = 1_000_000;
+            let interface = Interface::new(index, 1.0);
+            let f = |i: i32| interface.fresnel(((f64::from(i) + 0.5) / f64::from(n)).sqrt()).reflected;
+            let expected = (0..n).map(f).sum::<f64>() / f64::from(n);
+            assert!((exact_diffuse_reflectance(index) / expected - 1.0).abs() < 1e-6, "{index}: not {expected}");
+            assert!((diffuse_reflectance(index) / expected - 1.0).abs() < 6e-3, "{index}: not {expected}");
+        }
+    }
 }

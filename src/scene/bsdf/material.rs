@@ -3,12 +3,15 @@
 use thiserror::Error;
 
 use super::fresnel::Interface;
+use super::principled::Shares;
+use super::rough_plastic::RoughPlasticAt;
+use super::source::{ALPHA_RANGE, Checked, SMOOTH_COAT, SMOOTH_GLASS, SMOOTH_METAL, Source};
 use super::{
-    Bsdf, Conductor, Dielectric, Diffuse, Microfacets, RoughConductor, RoughDielectric, ThinDielectric, Tints,
+    Bsdf, Conductor, Dielectric, Diffuse, Microfacets, Plastic, Principled, RoughConductor, RoughDielectric,
+    RoughPlastic, ThinDielectric, Tints,
 };
-use crate::scene::description::{BsdfDescription, ConductorFresnel, MicrofacetKind};
-use crate::scene::texture::{Parameter, SurfacePoint, clamped};
-use crate::spectrum::Rgb;
+use crate::scene::description::{BsdfDescription, MicrofacetKind, PrincipledDescription};
+use crate::scene::texture::SurfacePoint;
 
 /// A material's parameter that no model can use. The message says which and what would be right, not where: the caller
 /// knows the file and the name.
@@ -56,93 +59,8 @@ pub enum MaterialError {
     Composition(&'static str),
 }
 
-const ALPHA_RANGE: &str = "1e-8 … 10";
-const INDEX_RANGE: &str = "0.01 … 100";
-
 /// Below this width `α |η − 1|` of the refracted lobe, directions in double precision hold less than four of its digits.
 const NARROWEST_REFRACTION: f64 = 1e-12;
-
-/// Where a model's parameters come from: a file, which may be wrong, or the textures at a point, which are clamped.
-trait Source {
-    fn share(&mut self, parameter: &'static str, of: &Parameter<Rgb>) -> Rgb;
-    fn alpha(&mut self, parameter: &'static str, of: &Parameter<f64>, smooth: Smooth) -> f64;
-    fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface;
-    fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel;
-
-    fn tints(&mut self, reflectance: &Parameter<Rgb>, transmittance: &Parameter<Rgb>) -> Tints {
-        Tints {
-            reflectance: self.share("reflectance", reflectance),
-            transmittance: self.share("transmittance", transmittance),
-        }
-    }
-
-    /// α along u and v.
-    fn alphas(&mut self, alpha: &Parameter<f64>, alpha_v: &Option<Parameter<f64>>, smooth: Smooth) -> [f64; 2] {
-        let along_u = self.alpha("alpha", alpha, smooth);
-        [along_u, alpha_v.as_ref().map_or(along_u, |alpha_v| self.alpha("alpha_v", alpha_v, smooth))]
-    }
-}
-
-/// The model without roughness, and what it is a model of.
-#[derive(Clone, Copy)]
-struct Smooth(&'static str, &'static str);
-
-const SMOOTH_METAL: Smooth = Smooth("conductor", "a smooth metal");
-const SMOOTH_GLASS: Smooth = Smooth("dielectric", "smooth glass");
-
-/// Constants as they stand; textures count as their middle. Remembers the first fault.
-struct Checked {
-    fault: Option<MaterialError>,
-}
-
-impl Checked {
-    fn take<T>(&mut self, result: Result<T, MaterialError>, otherwise: T) -> T {
-        result.unwrap_or_else(|fault| {
-            self.fault.get_or_insert(fault);
-            otherwise
-        })
-    }
-}
-
-impl Source for Checked {
-    fn share(&mut self, parameter: &'static str, of: &Parameter<Rgb>) -> Rgb {
-        let value = of.constant().copied().unwrap_or(Rgb::grey(0.5));
-        self.take(share(parameter, value), Rgb::BLACK)
-    }
-
-    fn alpha(&mut self, parameter: &'static str, of: &Parameter<f64>, smooth: Smooth) -> f64 {
-        self.take(alpha(parameter, of.constant().copied().unwrap_or(0.5), smooth), 1.0)
-    }
-
-    fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface {
-        self.take(interface(interior_ior, exterior_ior), Interface::new(1.0, 1.0))
-    }
-
-    fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel {
-        self.take(checked_fresnel(fresnel), ConductorFresnel::Tint { specular_tint: Rgb::BLACK })
-    }
-}
-
-impl Source for &SurfacePoint<'_> {
-    fn share(&mut self, _: &'static str, of: &Parameter<Rgb>) -> Rgb {
-        of.at(self).map(|x| clamped(x, 0.0, 1.0))
-    }
-
-    fn alpha(&mut self, _: &'static str, of: &Parameter<f64>, _: Smooth) -> f64 {
-        clamped(of.at(self), SMALLEST_TEXTURED_ALPHA, 10.0)
-    }
-
-    fn interface(&mut self, interior_ior: f64, exterior_ior: f64) -> Interface {
-        Interface::new(interior_ior, exterior_ior)
-    }
-
-    fn fresnel(&mut self, fresnel: &ConductorFresnel) -> ConductorFresnel {
-        fresnel.clone()
-    }
-}
-
-/// What a texture of roughness is raised to: Mitsuba has the same limit.
-const SMALLEST_TEXTURED_ALPHA: f64 = 1e-4;
 
 impl Bsdf {
     /// The model that a file describes, where it is the same all over the surface and no composite.
@@ -154,15 +72,15 @@ impl Bsdf {
     /// # Errors
     /// The first parameter that is out of its range or not a number.
     pub fn new(description: &BsdfDescription) -> Result<Self, MaterialError> {
-        let mut source = Checked { fault: None };
+        let mut source = Checked::default();
         let bsdf = Self::leaf(description, &mut source).ok_or(MaterialError::Composite);
         source.fault.map_or(bsdf, Err)
     }
 
     /// The same at one point of a surface, with the values of its textures there, clamped to what the model can use. `None`
-    /// for composites.
+    /// for composites, and for rough plastic, whose coat is shared: [`coated`] has that.
     #[must_use]
-    pub fn at(description: &BsdfDescription, mut at: &SurfacePoint<'_>) -> Option<Self> {
+    pub(super) fn at(description: &BsdfDescription, mut at: &SurfacePoint<'_>) -> Option<Self> {
         Self::leaf(description, &mut at)
     }
 
@@ -207,15 +125,63 @@ impl Bsdf {
                 let interface = source.interface(*interior_ior, *exterior_ior);
                 rough_dielectric(*distribution, alphas, interface, source.tints(reflectance, transmittance))
             }
-            BsdfDescription::Plastic { .. }
-            | BsdfDescription::RoughPlastic { .. }
-            | BsdfDescription::Principled(_)
-            | BsdfDescription::Null
+            BsdfDescription::Plastic { interior_ior, exterior_ior, diffuse, specular, nonlinear } => {
+                let interface = source.interface(*interior_ior, *exterior_ior);
+                Self::Plastic(Plastic::new(interface, source.base(diffuse, specular, *nonlinear)))
+            }
+            BsdfDescription::RoughPlastic {
+                distribution,
+                alpha,
+                interior_ior,
+                exterior_ior,
+                diffuse,
+                specular,
+                nonlinear,
+            } => {
+                let alpha = source.alpha("alpha", &(*alpha).into(), SMOOTH_COAT);
+                let interface = source.interface(*interior_ior, *exterior_ior);
+                let base = source.base(diffuse, specular, *nonlinear);
+                let coat = source.coat(Microfacets::new(*distribution, [alpha; 2]), interface)?;
+                Self::RoughPlastic(RoughPlastic::new(coat, base))
+            }
+            BsdfDescription::Principled(parameters) => Self::Principled(Box::new(principled(parameters, source))),
+            BsdfDescription::Gltf(gltf) => Self::Gltf(Box::new(source.gltf(gltf))),
+            BsdfDescription::Null
             | BsdfDescription::TwoSided { .. }
             | BsdfDescription::Mask { .. }
             | BsdfDescription::Blend { .. }
             | BsdfDescription::Perturbed { .. } => return None,
         })
+    }
+}
+
+fn principled(parameters: &PrincipledDescription, source: &mut impl Source) -> Principled {
+    let shares = Shares {
+        roughness: source.number("roughness", &parameters.roughness),
+        anisotropic: source.number("anisotropic", &parameters.anisotropic),
+        metallic: source.number("metallic", &parameters.metallic),
+        spec_trans: source.number("spec_trans", &parameters.spec_trans),
+        spec_tint: source.number("spec_tint", &parameters.spec_tint),
+        sheen: source.number("sheen", &parameters.sheen),
+        sheen_tint: source.number("sheen_tint", &parameters.sheen_tint),
+        flatness: source.number("flatness", &parameters.flatness),
+        clearcoat: source.number("clearcoat", &parameters.clearcoat),
+        clearcoat_gloss: source.number("clearcoat_gloss", &parameters.clearcoat_gloss),
+    };
+    Principled::new(source.share("base_color", &parameters.base_color), shares, source.eta(parameters.eta))
+}
+
+/// Rough plastic at a point, with the coat of an example of it; `None` for other models.
+pub(super) fn coated<'a>(
+    example: &'a Bsdf,
+    description: &BsdfDescription,
+    mut at: &SurfacePoint<'_>,
+) -> Option<RoughPlasticAt<'a>> {
+    match (example, description) {
+        (Bsdf::RoughPlastic(example), BsdfDescription::RoughPlastic { diffuse, specular, nonlinear, .. }) => {
+            Some(RoughPlasticAt { coat: &example.coat, base: at.base(diffuse, specular, *nonlinear) })
+        }
+        _ => None,
     }
 }
 
@@ -228,54 +194,13 @@ fn rough_dielectric(kind: MicrofacetKind, alphas: [f64; 2], interface: Interface
     }
 }
 
-fn alpha(parameter: &'static str, value: f64, Smooth(smooth, substance): Smooth) -> Result<f64, MaterialError> {
-    if (1e-8..=10.0).contains(&value) {
-        Ok(value)
-    } else if (0.0..1e-8).contains(&value) {
-        Err(MaterialError::Smooth { parameter, value, smooth, substance })
-    } else {
-        Err(MaterialError::Number { parameter, value, range: ALPHA_RANGE })
-    }
-}
-
-fn interface(interior_ior: f64, exterior_ior: f64) -> Result<Interface, MaterialError> {
-    for (parameter, value) in [("interior_ior", interior_ior), ("exterior_ior", exterior_ior)] {
-        if !(0.01..=100.0).contains(&value) {
-            return Err(MaterialError::Number { parameter, value, range: INDEX_RANGE });
-        }
-    }
-    Ok(Interface::new(interior_ior, exterior_ior))
-}
-
-fn checked_fresnel(fresnel: &ConductorFresnel) -> Result<ConductorFresnel, MaterialError> {
-    match fresnel {
-        ConductorFresnel::Tint { specular_tint } => share("specular_tint", *specular_tint).map(drop)?,
-        ConductorFresnel::Ior { eta, k } => {
-            channels("eta", *eta, 1e6, "0 … 1e6")?;
-            channels("k", *k, 1e6, "0 … 1e6")?;
-        }
-    }
-    Ok(fresnel.clone())
-}
-
-fn share(parameter: &'static str, value: Rgb) -> Result<Rgb, MaterialError> {
-    channels(parameter, value, 1.0, "0 … 1")
-}
-
-fn channels(parameter: &'static str, rgb: Rgb, max: f64, range: &'static str) -> Result<Rgb, MaterialError> {
-    for (channel, value) in ["red", "green", "blue"].into_iter().zip(rgb.to_array()) {
-        if !(0.0..=max).contains(&value) {
-            return Err(MaterialError::Channel { parameter, channel, value, range });
-        }
-    }
-    Ok(rgb)
-}
-
 #[cfg(test)]
 mod tests {
     use glam::DVec3;
 
     use super::*;
+    use crate::scene::description::ConductorFresnel;
+    use crate::spectrum::Rgb;
 
     fn message(description: &BsdfDescription) -> String {
         Bsdf::new(description).expect_err("must be refused").to_string()

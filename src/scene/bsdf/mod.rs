@@ -9,10 +9,15 @@ mod conductor;
 mod dielectric;
 mod diffuse;
 pub mod fresnel;
+mod gltf;
 mod material;
 mod microfacet;
 mod perturbed;
+mod plastic;
+mod principled;
 mod rough_dielectric;
+mod rough_plastic;
+mod source;
 #[cfg(test)]
 mod tests;
 mod thin_dielectric;
@@ -29,9 +34,13 @@ pub(crate) use composite::{Composite, CompositeAt};
 pub use conductor::{Conductor, RoughConductor};
 pub use dielectric::{Dielectric, Tints};
 pub use diffuse::Diffuse;
+pub use gltf::Gltf;
 pub use material::MaterialError;
 pub use microfacet::{Beckmann, Ggx, Microfacets};
+pub use plastic::{Base, Plastic};
+pub use principled::Principled;
 pub use rough_dielectric::RoughDielectric;
+pub use rough_plastic::{RoughCoat, RoughPlastic};
 pub use thin_dielectric::ThinDielectric;
 
 /// The end of the path from which a walk started.
@@ -159,6 +168,14 @@ pub enum Bsdf {
     ThinDielectric(ThinDielectric),
     /// Glass with microfacets.
     RoughDielectric(RoughDielectric),
+    /// A diffuse base below a smooth coat.
+    Plastic(Plastic),
+    /// A diffuse base below a rough coat.
+    RoughPlastic(RoughPlastic),
+    /// Disney's.
+    Principled(Box<Principled>),
+    /// glTF's own.
+    Gltf(Box<Gltf>),
     /// A research model from outside.
     Custom(Arc<dyn BsdfModel>),
 }
@@ -172,6 +189,10 @@ macro_rules! dispatch {
             Bsdf::Dielectric($model) => $answer,
             Bsdf::ThinDielectric($model) => $answer,
             Bsdf::RoughDielectric($model) => $answer,
+            Bsdf::Plastic($model) => $answer,
+            Bsdf::RoughPlastic($model) => $answer,
+            Bsdf::Principled($model) => $answer,
+            Bsdf::Gltf($model) => $answer,
             Bsdf::Custom($model) => $answer,
         }
     };
@@ -189,6 +210,10 @@ impl Bsdf {
             Self::Dielectric(model) => model,
             Self::ThinDielectric(model) => model,
             Self::RoughDielectric(model) => model,
+            Self::Plastic(model) => model,
+            Self::RoughPlastic(model) => model,
+            Self::Principled(model) => model.as_ref(),
+            Self::Gltf(model) => model.as_ref(),
         }
     }
 

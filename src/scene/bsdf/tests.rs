@@ -6,14 +6,17 @@ mod chi2;
 mod composites;
 mod consistency;
 mod energy;
+mod gltf;
 mod robustness;
+
+use std::sync::LazyLock;
 
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_xoshiro::Xoshiro256PlusPlus;
 
 use super::{Bsdf, BsdfSample, LobeDensity, Side};
-use crate::scene::description::{BsdfDescription, ConductorFresnel, MicrofacetKind};
+use crate::scene::description::{BsdfDescription, ConductorFresnel, MicrofacetKind, PrincipledDescription};
 use crate::scene::texture::Parameter;
 use crate::spectrum::Rgb;
 
@@ -96,8 +99,59 @@ fn pane(interior_ior: f64) -> Bsdf {
     Bsdf::new(&BsdfDescription::ThinDielectric { interior_ior, exterior_ior: 1.0, reflectance, transmittance }).unwrap()
 }
 
+fn plastic(interior_ior: f64, nonlinear: bool) -> Bsdf {
+    let (diffuse, specular) = (passes(), reflects());
+    Bsdf::new(&BsdfDescription::Plastic { interior_ior, exterior_ior: 1.0, diffuse, specular, nonlinear }).unwrap()
+}
+
+fn rough_plastic(distribution: MicrofacetKind, alpha: f64, interior_ior: f64, nonlinear: bool) -> Bsdf {
+    let (diffuse, specular, exterior_ior) = (passes(), reflects(), 1.0);
+    let description =
+        BsdfDescription::RoughPlastic { distribution, alpha, interior_ior, exterior_ior, diffuse, specular, nonlinear };
+    Bsdf::new(&description).unwrap()
+}
+
+fn principled(parameters: PrincipledDescription) -> Bsdf {
+    Bsdf::new(&BsdfDescription::Principled(Box::new(parameters))).unwrap()
+}
+
+/// A bit of everything, but glass.
+fn opaque_principled() -> PrincipledDescription {
+    PrincipledDescription {
+        base_color: Rgb::new(0.8, 0.5, 0.1).into(),
+        roughness: 0.6.into(),
+        anisotropic: 0.5.into(),
+        metallic: 0.3.into(),
+        spec_tint: 0.4.into(),
+        sheen: 0.7.into(),
+        sheen_tint: 0.3.into(),
+        flatness: 0.4.into(),
+        clearcoat: 0.8.into(),
+        ..Default::default()
+    }
+}
+
+/// With everything.
+fn glassy_principled(eta: f64) -> PrincipledDescription {
+    PrincipledDescription { spec_trans: 0.6.into(), eta, ..opaque_principled() }
+}
+
 /// Models beside the plain ones, the wide lobes of which are no narrower than 0.1.
 fn others() -> Vec<Bsdf> {
+    use MicrofacetKind::{Beckmann, Ggx};
+    // Their coats take a while to integrate.
+    static COATED: LazyLock<Vec<Bsdf>> =
+        LazyLock::new(|| vec![rough_plastic(Ggx, 0.3, 1.5, true), rough_plastic(Beckmann, 0.15, 1.3, false)]);
+    let mut all = tinted();
+    all.extend([plastic(1.5, true), plastic(1.3, false), plastic(0.8, true)]);
+    all.extend(COATED.iter().cloned());
+    all.extend([PrincipledDescription::default(), opaque_principled()].map(principled));
+    all.extend([1.4, 0.8].map(|eta| principled(glassy_principled(eta))));
+    all
+}
+
+/// Those of metal and glass.
+fn tinted() -> Vec<Bsdf> {
     use MicrofacetKind::{Beckmann, Ggx};
     let mut all = vec![tinted_smooth_glass(1.5), pane(1.5), pane(0.7)];
     for kind in [Ggx, Beckmann] {

@@ -178,7 +178,7 @@ impl Builder<'_> {
     fn attributes_asked_for(&self) -> BTreeSet<String> {
         let mut names = BTreeSet::new();
         let mut see = |texture: &Texture| {
-            if let Texture::Attribute { name } = texture {
+            if let Texture::Attribute { name } | Texture::OtherCoordinates { attribute: name, .. } = texture {
                 names.insert(name.clone());
             }
         };

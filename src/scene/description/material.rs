@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use super::gltf::GltfDescription;
 use crate::scene::texture::{Parameter, Texture};
 use crate::spectrum::Rgb;
 
@@ -151,6 +152,9 @@ pub enum BsdfDescription {
     /// Disney's model (Burley 2012, 2015) as Mitsuba 3 has it.
     #[serde(skip)]
     Principled(Box<PrincipledDescription>),
+    /// glTF's own model.
+    #[serde(skip)]
+    Gltf(Box<GltfDescription>),
     /// Light goes straight through: there is no surface but in the count of edges.
     Null,
     /// One model for each side. Neither transmits.

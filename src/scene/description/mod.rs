@@ -3,6 +3,7 @@
 //! Everything is in world coordinates and double precision, as composed from the file's transforms. Readers check what
 //! only they can name (a place in the file); [`Scene::build`](super::Scene::build) checks the rest.
 
+mod gltf;
 mod light;
 mod material;
 mod sensor;
@@ -16,10 +17,11 @@ use serde::{Deserialize, Serialize};
 use super::meter::NamedMeter;
 use crate::spectrum::Rgb;
 
+pub use gltf::{GltfAnisotropy, GltfCoat, GltfDescription, GltfSheen, GltfVolume, Slot};
 pub use light::{EnvironmentDescription, Light, LightKind};
 pub use material::{BsdfDescription, ConductorFresnel, Material, MicrofacetKind, NormalSource, PrincipledDescription};
-pub use sensor::{FilmSize, Lens, PixelFilter, Projection, SensorDescription};
-pub use shape::{Attribute, Cylinder, Disk, Mesh, Sphere};
+pub use sensor::{FilmSize, Lens, PixelFilter, Projection, SensorDescription, Target};
+pub use shape::{Attribute, Cylinder, Disk, Mesh, ShapeIndex, Sphere};
 
 /// A whole scene as its file describes it.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,12 @@
 //! Cameras, other sensors and their film.
 
+use std::fmt;
+use std::str::FromStr;
+
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
+
+use super::shape::ShapeIndex;
 
 /// Pixels of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,18 +68,57 @@ pub enum Projection {
         half_height: f64,
     },
     /// No image but a meter: all light that arrives at the position from the hemisphere around `forward`, by its cosine. The
-    /// pixels share the hemisphere; π times their mean is the irradiance \[W/m²\].
+    /// pixels share the hemisphere; their mean is the irradiance \[W/m²\].
     Hemisphere,
     /// No image but a meter: all light that arrives at a rectangle from the hemisphere around `forward`. The pixels share the
-    /// rectangle; π times their mean is the mean irradiance \[W/m²\].
+    /// rectangle; their mean is the mean irradiance \[W/m²\].
     Window {
         /// Half the extent across `up` \[m\].
         half_width: f64,
         /// Half the extent along `up` \[m\].
         half_height: f64,
     },
-    /// No image but a meter: the radiance that arrives at the position along `forward` \[W/m²/sr\], in a single pixel.
+    /// No image but a meter: the radiance that arrives at the position along `forward` \[W/m²/sr\], the same in every pixel.
     Ray,
+    /// No image but a meter: the irradiance at the front of a shape of the scene, its mean over the shape's area \[W/m²\], the
+    /// same in every pixel. The shape stays a surface of the scene. The sensor's position and directions say nothing.
+    Surface {
+        /// The shape.
+        shape: ShapeIndex,
+    },
+    /// No image but a meter: the radiance that leaves the scene against `forward`, its mean over a target \[W/m²/sr\], the
+    /// same in every pixel. The sensor's position says nothing.
+    Distant {
+        /// What it looks at.
+        target: Target,
+    },
+}
+
+/// What a distant sensor takes the mean over. It is no part of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Target {
+    /// The cross-section of the sphere around the corners of the box around all surfaces.
+    Scene,
+    /// A point: the sensor is a ray through it.
+    Point(DVec3),
+    /// The points `centre + a u + b v` with a and b in `[−1, 1]`, uniform by area.
+    Parallelogram {
+        /// Its centre \[m\].
+        centre: DVec3,
+        /// Half a side \[m\].
+        u: DVec3,
+        /// Half of the other side \[m\].
+        v: DVec3,
+    },
+    /// The points `centre + a u + b v` with `a² + b² ≤ 1`, uniform by area.
+    Ellipse {
+        /// Its centre \[m\].
+        centre: DVec3,
+        /// A half axis, or any other half diameter \[m\].
+        u: DVec3,
+        /// The half diameter conjugate to it: at right angles for a disk \[m\].
+        v: DVec3,
+    },
 }
 
 /// A thin lens.
@@ -105,4 +149,75 @@ pub enum PixelFilter {
         /// σ, positive.
         stddev: f64,
     },
+}
+
+impl PixelFilter {
+    /// Wider ones are refused: they have a pixel respond to what is seen far away, and cost time without end.
+    pub const LARGEST_RADIUS: f64 = 100.0;
+
+    /// How far from its centre a pixel responds, in pixels; the box responds to half a pixel on either side.
+    #[must_use]
+    pub fn radius(self) -> f64 {
+        match self {
+            Self::Box => 0.5,
+            Self::Tent { radius } => radius,
+            Self::Gaussian { stddev } => 4.0 * stddev,
+        }
+    }
+
+    /// Its radius is positive and not absurd.
+    #[must_use]
+    pub fn is_valid(self) -> bool {
+        self.radius() > 0.0 && self.radius() <= Self::LARGEST_RADIUS
+    }
+}
+
+impl fmt::Display for PixelFilter {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Box => write!(f, "box"),
+            Self::Tent { radius } => write!(f, "tent:{radius}"),
+            Self::Gaussian { stddev } => write!(f, "gaussian:{stddev}"),
+        }
+    }
+}
+
+/// `box`, `tent:RADIUS` or `gaussian:STDDEV`; without a number, Mitsuba's defaults of 1 and 0.5 pixels.
+impl FromStr for PixelFilter {
+    type Err = &'static str;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let (kind, number) = match text.split_once(':') {
+            None => (text, None),
+            Some((kind, number)) => (kind, Some(number.trim().parse().ok())),
+        };
+        let filter = match (kind, number) {
+            ("box", None) => Some(Self::Box),
+            ("tent", None) => Some(Self::Tent { radius: 1.0 }),
+            ("tent", Some(radius)) => radius.map(|radius| Self::Tent { radius }),
+            ("gaussian", None) => Some(Self::Gaussian { stddev: 0.5 }),
+            ("gaussian", Some(stddev)) => stddev.map(|stddev| Self::Gaussian { stddev }),
+            _ => None,
+        };
+        let expected = "expected box, tent, tent:RADIUS, gaussian or gaussian:STDDEV, in pixels, for example gaussian:0.5; \
+                        it may reach 100 pixels far, a gaussian reaches 4 standard deviations";
+        filter.filter(|filter| filter.is_valid()).ok_or(expected)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn filters_are_read_as_they_are_written() {
+        for filter in [PixelFilter::Box, PixelFilter::Tent { radius: 1.25 }, PixelFilter::Gaussian { stddev: 0.1 }] {
+            assert_eq!(filter.to_string().parse(), Ok(filter));
+        }
+        assert_eq!("tent".parse(), Ok(PixelFilter::Tent { radius: 1.0 }));
+        assert_eq!("gaussian".parse(), Ok(PixelFilter::Gaussian { stddev: 0.5 }));
+        for text in ["", "mitchell", "box:1", "tent:", "tent:0", "tent:-1", "tent:inf", "gaussian:NaN", "gaussian:26"] {
+            assert!(text.parse::<PixelFilter>().is_err(), "{text}");
+        }
+    }
 }

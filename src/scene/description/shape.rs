@@ -156,3 +156,16 @@ impl Cylinder {
         }
     }
 }
+
+/// A shape of a scene: its place in the description's list of its kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ShapeIndex {
+    /// A triangle mesh.
+    Mesh(usize),
+    /// A sphere.
+    Sphere(usize),
+    /// A disk.
+    Disk(usize),
+    /// A cylinder.
+    Cylinder(usize),
+}

@@ -70,6 +70,13 @@ impl Accessors<'_> {
         Ok(self.shape(index, user)?.width)
     }
 
+    /// The bytes of a buffer view.
+    pub(super) fn bytes(&self, view: usize, place: &str) -> Result<&[u8], Fault> {
+        let length = self.root.buffer_views.get(view).map_or(0, |view| view.byte_length.0);
+        let (stored, _) = self.strided(view, 0, 1, usize::try_from(length).unwrap_or(usize::MAX), place)?;
+        Ok(stored.get(0))
+    }
+
     fn get(&self, index: usize, user: &str) -> Result<&json::Accessor, Fault> {
         let missing = || Fault::invalid(place(index, user), "does not exist", EXPORT_AGAIN);
         self.root.accessors.get(index).ok_or_else(missing)

@@ -35,10 +35,7 @@ fn read_one<'a>(
     let length = buffer.byte_length.0;
     let place = format!("buffers[{number}]");
     let data = match (&buffer.uri, bin) {
-        (Some(uri), _) => match uri.strip_prefix("data:") {
-            Some(rest) => Cow::Owned(decode(rest, &place)?),
-            None => Cow::Owned(read_beside(uri, length, folder, &place)?),
-        },
+        (Some(uri), _) => Cow::Owned(fetch(uri, length, folder, &place)?),
         (None, Some(bin)) if number == 0 => Cow::Borrowed(bin),
         (None, _) => return Ok(None),
     };
@@ -49,9 +46,17 @@ fn read_one<'a>(
     Ok(Some(data))
 }
 
+/// The bytes behind a URI: data, or at most `limit` bytes of a file below the scene's folder.
+pub(super) fn fetch(uri: &str, limit: u64, folder: &Path, place: &str) -> Result<Vec<u8>, Fault> {
+    match uri.strip_prefix("data:") {
+        Some(rest) => decode(rest, place),
+        None => read_beside(uri, limit, folder, place),
+    }
+}
+
 fn decode(uri: &str, place: &str) -> Result<Vec<u8>, Fault> {
     let Some((_, text)) = uri.split_once(";base64,") else {
-        return Err(Fault::unsupported(place, "data URIs other than base64", "store the buffer as a file"));
+        return Err(Fault::unsupported(place, "data URIs other than base64", "store it as a file"));
     };
     BASE64.decode(text).map_err(|error| {
         Fault::invalid(place, format!("its base64 is broken ({error})"), "copy or export the file again")
@@ -70,8 +75,8 @@ fn read_beside(uri: &str, length: u64, folder: &Path, place: &str) -> Result<Vec
 fn path_inside(uri: &str, place: &str) -> Result<PathBuf, Fault> {
     let scheme = uri.split_once(':').map(|(scheme, _)| scheme);
     if let Some(scheme) = scheme.filter(|s| s.len() > 1 && s.bytes().all(|b| b.is_ascii_alphanumeric())) {
-        let feature = format!("buffers behind {scheme}: addresses");
-        return Err(Fault::unsupported(place, feature, "store the buffer beside the scene"));
+        let feature = format!("files behind {scheme}: addresses");
+        return Err(Fault::unsupported(place, feature, "store it beside the scene"));
     }
     let Some(decoded) = percent_decode(uri) else {
         return Err(Fault::invalid(place, format!("{uri:?} is no valid URI"), "correct its percent codes"));

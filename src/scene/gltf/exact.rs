@@ -16,6 +16,9 @@ pub(super) struct Exact {
     pub scenes: Vec<Scene>,
     pub materials: Vec<Material>,
     pub cameras: Vec<Camera>,
+    pub textures: Vec<Texture>,
+    pub samplers: Vec<Sampler>,
+    pub images: Vec<Image>,
     pub extensions: RootExtensions,
     pub extensions_used: Vec<String>,
 }
@@ -106,11 +109,51 @@ pub(super) struct Material {
     pub alpha_mode: AlphaMode,
     pub alpha_cutoff: Option<f64>,
     pub emissive_factor: [f64; 3],
-    pub emissive_texture: Option<Value>,
-    pub normal_texture: Option<Value>,
+    pub emissive_texture: Option<TextureInfo>,
+    pub normal_texture: Option<TextureInfo>,
+    pub occlusion_texture: Option<Value>,
     pub pbr_metallic_roughness: MetallicRoughness,
     pub extensions: Extensions,
     pub extras: Option<Value>,
+}
+
+/// Which texture a slot of a material uses, and how.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(rename_all = "camelCase")]
+pub(super) struct TextureInfo {
+    pub index: usize,
+    /// The set of texture coordinates.
+    #[serde(default)]
+    pub tex_coord: usize,
+    /// Of normal maps.
+    #[serde(default = "one")]
+    pub scale: f64,
+    #[serde(default)]
+    pub extensions: Extensions,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default)]
+pub(super) struct Texture {
+    pub sampler: Option<usize>,
+    pub source: Option<usize>,
+}
+
+#[derive(Clone, Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Sampler {
+    pub mag_filter: Option<u32>,
+    pub min_filter: Option<u32>,
+    pub wrap_s: Option<u32>,
+    pub wrap_t: Option<u32>,
+}
+
+#[derive(Debug, Default, Deserialize)]
+#[serde(default, rename_all = "camelCase")]
+pub(super) struct Image {
+    pub name: Option<String>,
+    pub uri: Option<String>,
+    pub buffer_view: Option<usize>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize)]
@@ -128,8 +171,8 @@ pub(super) struct MetallicRoughness {
     pub base_color_factor: [f64; 4],
     pub metallic_factor: f64,
     pub roughness_factor: f64,
-    pub base_color_texture: Option<Value>,
-    pub metallic_roughness_texture: Option<Value>,
+    pub base_color_texture: Option<TextureInfo>,
+    pub metallic_roughness_texture: Option<TextureInfo>,
 }
 
 impl Default for MetallicRoughness {

@@ -40,15 +40,20 @@ mod surface;
 mod tally;
 #[cfg(test)]
 mod tests;
+mod texture;
 
 use std::io::ErrorKind;
 use std::path::Path;
+
+use serde::{Deserialize, Serialize};
 
 use self::accessor::Accessors;
 use self::document::Document;
 use self::extras::SceneExtras;
 use self::fault::{Fault, place};
+use self::material::Materials;
 use self::tally::Tally;
+use self::texture::Textures;
 use crate::scene::description::SceneDescription;
 use crate::scene::error::SceneError;
 
@@ -57,6 +62,19 @@ use crate::scene::error::SceneError;
 pub struct ReadOptions {
     /// The camera, by its name, its node's name, or its number among the scene's cameras; `None` takes the first.
     pub camera: Option<String>,
+    /// What materials without extras become.
+    pub materials: MaterialModel,
+}
+
+/// The model of scattering that glTF's materials become.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MaterialModel {
+    /// glTF's own.
+    #[default]
+    Gltf,
+    /// Mitsuba's `principled`, for comparisons with Mitsuba.
+    Principled,
 }
 
 /// Reads a scene with its first camera; without a camera `sensor` is `None`.
@@ -98,7 +116,8 @@ fn scene(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SceneDescri
     let mut tally = Tally::default();
     let number = document.root.scene.as_ref().map_or(0, gltf::json::Index::value);
     let nodes = hierarchy::place_nodes(&document, number)?;
-    let shapes = shapes::read(&document, &accessors, &nodes, &mut tally)?;
+    let materials = Materials::new(Textures::new(&document, &accessors, folder), options.materials);
+    let shapes = shapes::read(&document, &accessors, &nodes, materials, &mut tally)?;
     let mut lights = Vec::new();
     for placed in &nodes {
         lights.extend(light::read(&document, placed, &mut tally)?);

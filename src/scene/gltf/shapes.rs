@@ -12,8 +12,8 @@ use super::extras::{self, NodeExtras, SphereExtras};
 use super::fault::Fault;
 use super::hierarchy::{Placed, node_place};
 use super::instancing;
-use super::material::Materials;
-use super::primitive::{self, Primitive};
+use super::material::{Materials, Use};
+use super::primitive::{self, Handedness, Primitive};
 use super::surface;
 use super::tally::Tally;
 use crate::scene::description::{Material, Mesh, Sphere};
@@ -33,9 +33,9 @@ pub(super) fn read(
     document: &Document,
     accessors: &Accessors<'_>,
     nodes: &[Placed],
+    mut materials: Materials<'_>,
     tally: &mut Tally,
 ) -> Result<Shapes, Fault> {
-    let mut materials = Materials::new(document);
     let mut meshes = Vec::new();
     let mut spheres = Vec::new();
     let mut known: HashMap<usize, Vec<Primitive>> = HashMap::new();
@@ -51,7 +51,7 @@ pub(super) fn read(
         refuse_deformed(document, placed.node, mesh, &here)?;
         let primitives = match known.entry(mesh) {
             Entry::Occupied(read_before) => read_before.into_mut(),
-            Entry::Vacant(new) => new.insert(primitive::read_mesh(accessors, mesh, tally)?),
+            Entry::Vacant(new) => new.insert(primitive::read_mesh(document, accessors, mesh, tally)?),
         };
         let transforms = instancing::transforms(document, accessors, placed)?;
         for (instance, world) in transforms.iter().enumerate() {
@@ -69,9 +69,12 @@ pub(super) fn read(
                 if primitives.len() > 1 {
                     name += &format!(".{number}");
                 }
-                let material = materials.number(primitive.material, tally)?;
+                let (colours, handedness) = (primitive.has_colours(), primitive.handedness(world));
+                let of = Use { material: primitive.material, colours, handedness };
+                let material = materials.number(of, tally)?;
                 let surface::Surface { positions, normals, triangles } = surface;
-                meshes.push(Mesh { name, positions, normals, triangles, material, ..Mesh::default() });
+                let (texcoords, attributes) = (primitive.texcoords.clone(), primitive.attributes.clone());
+                meshes.push(Mesh { name, positions, normals, texcoords, attributes, triangles, material });
             }
         }
     }
@@ -125,7 +128,9 @@ fn read_sphere(
             return Err(Fault::invalid(here, "has no material", remedy));
         }
     };
-    let material = materials.number(material, tally)?;
+    // On a sphere v runs from pole to pole, to the left of u.
+    let of = Use { material, colours: false, handedness: Handedness::Mixed };
+    let material = materials.number(of, tally)?;
     let name = node.name.clone().unwrap_or_else(|| format!("node {}", placed.node));
     Ok(Sphere::new(name, placed.world.translation, radius, material))
 }

@@ -7,8 +7,18 @@ pub(super) struct Tally {
     pub without_positions: usize,
     pub zero_area: usize,
     pub bad_normals: usize,
-    /// Materials that are more than the models here can say.
-    pub simplified: Vec<String>,
+    /// Materials whose colour is emitted.
+    pub unlit: Vec<String>,
+    /// Materials that transmit and absorb inside.
+    pub absorbing: usize,
+    /// Materials with an occlusion texture.
+    pub occlusion: usize,
+    /// Some texture asks for mipmaps.
+    pub mipmaps: bool,
+    /// Primitives without the texture coordinates that their material's textures ask for.
+    pub without_coordinates: usize,
+    /// What Mitsuba's principled model loses of materials, and of which.
+    pub lost: Vec<(&'static str, Vec<String>)>,
     /// Double-sided materials that emit.
     pub one_sided_emission: Vec<String>,
     /// Lights with a range.
@@ -31,14 +41,31 @@ impl Tally {
         count(self.zero_area, "triangle", "triangles", "of zero area left out");
         count(self.bad_normals, "vertex", "vertices", "without a usable normal: the geometric one is taken");
         count(self.ranges, "light", "lights", "with a range: it is ignored, light reaches everywhere");
-        let simplified = format!(
-            "simplified to one diffuse, conductor or dielectric lobe: full glTF materials come later{}",
-            names(&self.simplified)
-        );
-        count(self.simplified.len(), "material", "materials", &simplified);
+        let coordinates = "without the texture coordinates that their material asks for: (0, 0) is taken";
+        count(self.without_coordinates, "primitive", "primitives", coordinates);
+        count(self.occlusion, "material", "materials", "with occlusion: it is ignored, light finds its way");
+        let absorbing =
+            "absorbing inside: by the thickness that the file gives, half of it at each crossing of the surface";
+        count(self.absorbing, "material", "materials", absorbing);
+        let unlit = format!("unlit: seen as bright as their colour, they emit it{}", names(&self.unlit));
+        count(self.unlit.len(), "material", "materials", &unlit);
         let emission = format!("emitting on the front only, though double-sided{}", names(&self.one_sided_emission));
         count(self.one_sided_emission.len(), "material", "materials", &emission);
+        for (what, materials) in &self.lost {
+            all.push(format!("Mitsuba's principled loses {what}{}", names(materials)));
+        }
+        if self.mipmaps {
+            all.push("mipmaps are ignored: every look at a texture is at full resolution".into());
+        }
         all
+    }
+
+    /// A material of which something cannot be said.
+    pub(super) fn lose(&mut self, what: &'static str, material: &str) {
+        match self.lost.iter_mut().find(|(known, _)| *known == what) {
+            Some((_, materials)) => materials.push(material.into()),
+            None => self.lost.push((what, vec![material.into()])),
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::path::{Vertex, VertexKind};
-use crate::scene::SceneDescription;
 use crate::scene::description::{Cylinder, Disk, FilmSize, Light, LightKind, Sphere};
+use crate::scene::{PrimitiveId, SceneDescription};
 use crate::spectrum::Rgb;
 use crate::testing::scenes;
 
@@ -42,8 +42,8 @@ fn distance_normal_texture_coordinates_and_tangents_are_those_of_mitsuba() {
         seen[usize::from(to_world.matrix3.determinant() < 0.0)] += 1;
         let scene = scenes::build(&scene(words[0], &to_world, words[1] == "flipped"));
         let (origin, direction) = (vector(12) - scene.centre(), vector(15).normalize());
-        let start =
-            Vertex { position: origin, normal: DVec3::ZERO, shading_normal: DVec3::ZERO, kind: VertexKind::Sensor };
+        let kind = VertexKind::Sensor { zeta: 0.0, primitive: PrimitiveId::NONE };
+        let start = Vertex { position: origin, normal: DVec3::ZERO, shading_normal: DVec3::ZERO, kind };
         let hit = scene.trace(&start, direction).unwrap_or_else(|| panic!("{line}: nothing is hit"));
         let (frame, at) = scene.surface_point(&hit);
         let [along_u, along_v] = at.tangents.map(|tangent| frame.to_world(tangent));

@@ -1,7 +1,5 @@
 //! From what a meter says to a sensor in a scene.
 
-use std::f64::consts::PI;
-
 use glam::DVec3;
 
 use super::surface::Rectangle;
@@ -32,13 +30,13 @@ impl Meter {
             &Self::Irradiance { position, normal } => {
                 let sensor =
                     sensor("irradiance", position, normal, normal.any_orthonormal_vector(), Projection::Hemisphere);
-                Ok(Aim { quantity: "irradiance", unit: "W/m²", sensor, scale: PI })
+                Ok(Aim { quantity: "irradiance", unit: "W/m²", sensor, scale: 1.0 })
             }
             Self::MeanIrradiance(region) => Ok(Aim {
                 quantity: "mean irradiance",
                 unit: "W/m²",
                 sensor: region.rectangle(scene)?.window(),
-                scale: PI,
+                scale: 1.0,
             }),
             Self::Flux(region) => Ok(flux("flux", region.rectangle(scene)?)),
             Self::FluxLeaving(name) => {
@@ -91,7 +89,7 @@ impl Rectangle {
 }
 
 fn flux(quantity: &'static str, rectangle: Rectangle) -> Aim {
-    Aim { quantity, unit: "W", sensor: rectangle.window(), scale: PI * rectangle.area() }
+    Aim { quantity, unit: "W", sensor: rectangle.window(), scale: rectangle.area() }
 }
 
 fn sensor(name: &str, position: DVec3, forward: DVec3, right: DVec3, projection: Projection) -> SensorDescription {

@@ -6,7 +6,7 @@ use super::error::ExportError;
 use super::material::Materials;
 use super::xml::Element;
 use super::{light, ply, sensor, shape};
-use crate::scene::description::{FilmSize, Mesh, SceneDescription};
+use crate::scene::description::{FilmSize, Mesh, SceneDescription, ShapeIndex};
 use crate::scene::texture::Parameter;
 
 /// What the XML file says beyond the scene. A run of Mitsuba may override the integrator and the number of samples.
@@ -42,29 +42,41 @@ pub fn export(scene: &SceneDescription, options: &ExportOptions, folder: &Path) 
     let integrator = Element::plugin("integrator", "path")
         .integer("max_depth", options.max_length.map_or(-1, i64::from))
         .integer("rr_depth", i64::from(options.rr_depth));
-    let mut root =
-        Element::new("scene").with("version", "3.0.0").child(integrator).child(sensor::sensor(scene, options)?);
+    let mut root = Element::new("scene").with("version", "3.0.0").child(integrator);
+    let (sensor, place) = sensor::sensor(scene, options)?;
+    let mut sensor = Some(sensor);
+    if place.is_none() {
+        root = root.children(sensor.take());
+    }
+    let mut attached =
+        |shape: Element, index: ShapeIndex| shape.children(if place == Some(index) { sensor.take() } else { None });
     let mut materials = Materials::new(scene);
     for (index, material) in scene.materials.iter().enumerate() {
         root = root.child(materials.element(material)?.with("id", material_id(index)));
     }
 
     let meshes = scene.meshes.iter().enumerate().filter(|(_, mesh)| !mesh.triangles.is_empty());
-    let files: Vec<_> = meshes.map(|(index, mesh)| (mesh_file(index, mesh), mesh)).collect();
-    for (file, mesh) in &files {
+    let files: Vec<_> = meshes.map(|(index, mesh)| (index, mesh_file(index, mesh), mesh)).collect();
+    for (index, file, mesh) in &files {
         check_mesh(scene, mesh)?;
         let shape = Element::plugin("shape", "ply")
             .string("filename", file)
             .boolean("face_normals", mesh.normals.is_none())
             .boolean("flip_tex_coords", false);
+        let shape = attached(shape, ShapeIndex::Mesh(*index));
         root =
             root.child(with_material(scene, &mut materials, shape, mesh.material, &format!("mesh '{}'", mesh.name))?);
     }
     let SceneDescription { spheres, disks, cylinders, .. } = scene;
-    let spheres = spheres.iter().map(|s| ("sphere", &s.name, s.material, shape::sphere(s)));
-    let disks = disks.iter().map(|d| ("disk", &d.name, d.material, shape::disk(d)));
-    let cylinders = cylinders.iter().map(|c| ("cylinder", &c.name, c.material, shape::cylinder(c)));
-    for (kind, name, material, shape) in spheres.chain(disks).chain(cylinders) {
+    let spheres = spheres.iter().enumerate();
+    let spheres = spheres.map(|(i, s)| (ShapeIndex::Sphere(i), "sphere", &s.name, s.material, shape::sphere(s)));
+    let disks = disks.iter().enumerate();
+    let disks = disks.map(|(i, d)| (ShapeIndex::Disk(i), "disk", &d.name, d.material, shape::disk(d)));
+    let cylinders = cylinders.iter().enumerate();
+    let cylinders =
+        cylinders.map(|(i, c)| (ShapeIndex::Cylinder(i), "cylinder", &c.name, c.material, shape::cylinder(c)));
+    for (index, kind, name, material, shape) in spheres.chain(disks).chain(cylinders) {
+        let shape = attached(shape, index);
         root = root.child(with_material(scene, &mut materials, shape, material, &format!("{kind} '{name}'"))?);
     }
     for light in &scene.lights {
@@ -76,7 +88,7 @@ pub fn export(scene: &SceneDescription, options: &ExportOptions, folder: &Path) 
 
     let mesh_folder = folder.join("meshes");
     fs::create_dir_all(&mesh_folder).map_err(ExportError::io(&mesh_folder))?;
-    for (file, mesh) in &files {
+    for (_, file, mesh) in &files {
         let path = folder.join(file);
         ply::write(&path, mesh).map_err(ExportError::io(&path))?;
     }

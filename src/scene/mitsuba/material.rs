@@ -78,6 +78,10 @@ impl<'a> Materials<'a> {
                 };
                 self.tints(indices(element, *interior_ior, *exterior_ior), reflectance, transmittance, place)?
             }
+            BsdfDescription::Gltf(_) => {
+                let (what, remedy) = ("glTF's own material", "export with --materials principled");
+                return Err(ExportError::unsupported(&self.scene.name, place, what, remedy));
+            }
             BsdfDescription::Plastic { interior_ior, exterior_ior, diffuse, specular, nonlinear } => {
                 let element = indices(Element::plugin("bsdf", "plastic"), *interior_ior, *exterior_ior);
                 self.base(element, diffuse, specular, *nonlinear, place)?

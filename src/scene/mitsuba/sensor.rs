@@ -1,15 +1,17 @@
-//! The camera for Mitsuba.
+//! The camera or another sensor for Mitsuba.
 //!
 //! Mitsuba's cameras look along their local z axis with y to the top of the image, and their local x axis points to the
 //! *left* of the image.
 
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 
 use super::error::ExportError;
 use super::export::ExportOptions;
 use super::xml::Element;
 use crate::geometry::Bounds;
-use crate::scene::description::{FilmSize, Lens, PixelFilter, Projection, SceneDescription, SensorDescription};
+use crate::scene::description::{
+    FilmSize, Lens, PixelFilter, Projection, SceneDescription, SensorDescription, ShapeIndex, Target,
+};
 
 /// How far the ratio of the sides of a pixel may be from one, relatively.
 const SQUARE_TOLERANCE: f64 = 1e-3;
@@ -18,7 +20,11 @@ const CROP_TOLERANCE: f64 = 1e-6;
 /// Nearest and farthest visible distance over the size of the scene. Mitsuba clips what lies outside.
 const CLIP: [f64; 2] = [1e-6, 1e2];
 
-pub(super) fn sensor(scene: &SceneDescription, options: &ExportOptions) -> Result<Element, ExportError> {
+/// The sensor, and the shape that it belongs into where it is a part of one.
+pub(super) fn sensor(
+    scene: &SceneDescription,
+    options: &ExportOptions,
+) -> Result<(Element, Option<ShapeIndex>), ExportError> {
     let Some(sensor) = &scene.sensor else {
         return Err(ExportError::invalid(&scene.name, "camera", "there is none; add one to the scene"));
     };
@@ -61,9 +67,15 @@ pub(super) fn sensor(scene: &SceneDescription, options: &ExportOptions) -> Resul
             };
             (element.frame(left, sensor.up, sensor.forward, sensor.position), crop)
         }
-        Projection::Hemisphere | Projection::Window { .. } | Projection::Ray => {
+        Projection::Hemisphere | Projection::Window { .. } => {
             let remedy = "choose a camera";
-            return Err(ExportError::unsupported(&scene.name, place, "meters that are no cameras", remedy));
+            return Err(ExportError::unsupported(&scene.name, place, "a meter in empty space", remedy));
+        }
+        Projection::Ray | Projection::Surface { .. } | Projection::Distant { .. } => {
+            return meter(scene, sensor, options).map(|element| {
+                let shape = if let Projection::Surface { shape } = sensor.projection { Some(shape) } else { None };
+                (element, shape)
+            });
         }
         // Its film covers [−1, 1] in x and [−height/width, height/width] in y.
         Projection::Orthographic { half_width, half_height } => {
@@ -79,9 +91,44 @@ pub(super) fn sensor(scene: &SceneDescription, options: &ExportOptions) -> Resul
     };
 
     let [near, far] = CLIP.map(|ratio| ratio * size(scene, sensor));
-    let sampler = Element::plugin("sampler", "independent").integer("sample_count", i64::from(options.spp));
     let film = film(scene.filter, options.film, crop);
-    Ok(element.float("near_clip", near).float("far_clip", far).child(film).child(sampler))
+    Ok((element.float("near_clip", near).float("far_clip", far).child(film).child(sampler(options)), None))
+}
+
+fn sampler(options: &ExportOptions) -> Element {
+    Element::plugin("sampler", "independent").integer("sample_count", i64::from(options.spp))
+}
+
+/// What makes no image. Mitsuba has such sensors for a single pixel only.
+fn meter(
+    scene: &SceneDescription,
+    sensor: &SensorDescription,
+    options: &ExportOptions,
+) -> Result<Element, ExportError> {
+    if options.film != (FilmSize { width: 1, height: 1 }) {
+        let place = format!("sensor '{}'", sensor.name);
+        let what = "a meter with more than one pixel";
+        return Err(ExportError::unsupported(&scene.name, place, what, "use a film of 1x1 pixels"));
+    }
+    let element = match sensor.projection {
+        Projection::Surface { .. } => Element::plugin("sensor", "irradiancemeter"),
+        Projection::Distant { target } => {
+            let element = Element::plugin("sensor", "distant").vector("direction", sensor.forward);
+            let shape = |plugin: &str, u: DVec3, v: DVec3, centre: DVec3| {
+                Element::plugin("shape", plugin).with("name", "target").frame(u, v, u.cross(v).normalize(), centre)
+            };
+            match target {
+                Target::Scene => element,
+                Target::Point(point) => element.point("target", point),
+                Target::Parallelogram { centre, u, v } => element.child(shape("rectangle", u, v, centre)),
+                Target::Ellipse { centre, u, v } => element.child(shape("disk", u, v, centre)),
+            }
+        }
+        _ => Element::plugin("sensor", "radiancemeter")
+            .point("origin", sensor.position)
+            .vector("direction", sensor.forward),
+    };
+    Ok(element.child(film(PixelFilter::Box, options.film, None)).child(sampler(options)))
 }
 
 /// The full angle that covers this share of the image's height.

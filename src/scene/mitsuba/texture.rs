@@ -56,7 +56,11 @@ impl Images {
             Texture::Attribute { name: attribute } => {
                 Element::plugin("texture", "mesh_attribute").with("name", name).string("name", attribute)
             }
-            Texture::Product(_) | Texture::Channel { .. } | Texture::Remapped { .. } => {
+            Texture::OtherCoordinates { .. } => {
+                let what = "a texture with its own set of texture coordinates";
+                return Err(ExportError::unsupported(&scene.name, place, what, "use one set for all textures"));
+            }
+            Texture::Step { .. } | Texture::Product(_) | Texture::Channel { .. } | Texture::Remapped { .. } => {
                 let (bitmap, to_uv) = baked(texture).ok_or_else(|| {
                     let what = "a texture that is computed from several";
                     ExportError::unsupported(&scene.name, place, what, "bake it into one image")
@@ -140,6 +144,8 @@ fn baked(texture: &Texture) -> Option<(Bitmap, DAffine2)> {
         Texture::Bitmap { .. }
         | Texture::Checkerboard { .. }
         | Texture::Attribute { .. }
+        | Texture::OtherCoordinates { .. }
+        | Texture::Step { .. }
         | Texture::Remapped { squared: true, .. } => simple = false,
         _ => {}
     });
@@ -163,6 +169,11 @@ fn of_texel(texture: &Texture, texel: [f64; 4]) -> [f64; 4] {
             [value, value, value, 1.0]
         }
         Texture::Remapped { of, scale, offset, .. } => of_texel(of, texel).map(|x| scale * x + offset),
-        Texture::Bitmap { .. } | Texture::Checkerboard { .. } | Texture::Attribute { .. } => texel,
+        // The last four are never asked for: interpolation does not commute with them.
+        Texture::Bitmap { .. }
+        | Texture::Checkerboard { .. }
+        | Texture::Attribute { .. }
+        | Texture::OtherCoordinates { .. }
+        | Texture::Step { .. } => texel,
     }
 }

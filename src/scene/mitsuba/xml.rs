@@ -36,6 +36,10 @@ impl Element {
         self
     }
 
+    pub(super) fn children(self, children: impl IntoIterator<Item = Element>) -> Self {
+        children.into_iter().fold(self, Self::child)
+    }
+
     /// `<float name="…" value="…"/>`, and so on for the other kinds of parameter.
     pub(super) fn float(self, name: &str, value: f64) -> Self {
         self.parameter("float", name, number(value))

@@ -3,7 +3,7 @@
 use glam::{DVec2, DVec3};
 
 use super::{Pixel, Sensor};
-use crate::scene::description::{FilmSize, Lens, Projection, SensorDescription};
+use crate::scene::description::{FilmSize, Lens, PixelFilter, Projection, SensorDescription};
 
 /// Looks from (1, 2, 3) to (0.5, 1, −2).
 fn camera(projection: Projection, window: [DVec2; 2]) -> SensorDescription {
@@ -27,6 +27,10 @@ fn projections() -> [Projection; 4] {
     ]
 }
 
+fn sensor(projection: Projection, window: [DVec2; 2], film: FilmSize) -> Sensor {
+    Sensor::new(&camera(projection, window), film, PixelFilter::Box, DVec3::ZERO)
+}
+
 const IMAGE: FilmSize = FilmSize { width: 40, height: 24 };
 const CROP: FilmSize = FilmSize { width: 10, height: 8 };
 const OFFSET: [u32; 2] = [7, 3];
@@ -40,12 +44,14 @@ fn window(shift: DVec2) -> [DVec2; 2] {
 #[test]
 fn a_crop_sees_what_its_part_of_the_image_sees() {
     for projection in projections() {
-        let whole = Sensor::new(&camera(projection, SensorDescription::WHOLE), IMAGE, DVec3::ZERO);
-        let crop = Sensor::new(&camera(projection, window(DVec2::ZERO)), CROP, DVec3::ZERO);
-        let u = [0.3, 0.8, 0.6, 0.1];
+        let whole = sensor(projection, SensorDescription::WHOLE, IMAGE);
+        let crop = sensor(projection, window(DVec2::ZERO), CROP);
+        let offset = DVec2::new(f64::from(OFFSET[0]), f64::from(OFFSET[1]));
         for (x, y) in (0..CROP.width).flat_map(|x| (0..CROP.height).map(move |y| (x, y))) {
             let (here, there) = (Pixel { x, y }, Pixel { x: x + OFFSET[0], y: y + OFFSET[1] });
-            let ((xk, direction), (same_xk, same_direction)) = (crop.sample(here, u), whole.sample(there, u));
+            let raster = DVec2::new(f64::from(x) + 0.3, f64::from(y) + 0.8);
+            let (xk, direction) = crop.through(raster, [0.6, 0.1]);
+            let (same_xk, same_direction) = whole.through(raster + offset, [0.6, 0.1]);
             let apart = (xk.position - same_xk.position).length() + (direction - same_direction).length();
             assert!(apart < 1e-14, "{projection:?} {here:?}: {apart:e}");
             let (seen, as_seen) = (crop.importance(&xk, direction).unwrap(), whole.importance(&xk, direction).unwrap());
@@ -53,7 +59,7 @@ fn a_crop_sees_what_its_part_of_the_image_sees() {
             assert!((seen.value / as_seen.value - 1.0).abs() < 1e-12, "{projection:?} {here:?}");
         }
         // What lies just beside the crop is in the image and not in the crop.
-        let (xk, direction) = whole.sample(Pixel { x: OFFSET[0] - 1, y: OFFSET[1] }, [0.9, 0.5, 0.5, 0.5]);
+        let (xk, direction) = whole.through(offset + DVec2::new(-0.1, 0.5), [0.5; 2]);
         assert!(crop.importance(&xk, direction).is_none() && whole.importance(&xk, direction).is_some());
     }
 }
@@ -63,19 +69,17 @@ fn a_crop_sees_what_its_part_of_the_image_sees() {
 fn crops_and_principal_points_are_mitsubas() {
     let shift = DVec2::new(0.1, -0.2);
     let whole = SensorDescription::WHOLE;
-    let of_image = |pixel: [u32; 2], u: [f64; 4], film, projection, window| {
-        let sensor = Sensor::new(&camera(projection, window), film, DVec3::ZERO);
-        sensor.sample(Pixel { x: pixel[0], y: pixel[1] }, u)
+    let through = |film, projection, window, raster: [f64; 2]| {
+        sensor(projection, window, film).through(DVec2::from_array(raster), [0.3, 0.9])
     };
-    let middle = [0.5, 0.0, 0.3, 0.9];
-    for (film, window, pixel, expected) in [
-        (CROP, window(DVec2::ZERO), [2, 5], [-0.46427736, -0.03916331, -0.88482356]),
+    let middle = [2.5, 5.0];
+    for (film, window, raster, expected) in [
+        (CROP, window(DVec2::ZERO), middle, [-0.46427736, -0.03916331, -0.88482356]),
         // (0.25, 0.625) of the whole film, moved.
-        (IMAGE, whole.map(|corner| corner + shift), [9, 15], [-0.3215557, -0.12298779, -0.93886942]),
-        (CROP, window(shift), [2, 5], [-0.32721868, 0.12902641, -0.9360984]),
+        (IMAGE, whole.map(|corner| corner + shift), [10.0, 15.0], [-0.3215557, -0.12298779, -0.93886942]),
+        (CROP, window(shift), middle, [-0.32721868, 0.12902641, -0.9360984]),
     ] {
-        let u = if film == IMAGE { [1.0, 0.0, 0.3, 0.9] } else { middle };
-        let (_, direction) = of_image(pixel, u, film, perspective(None), window);
+        let (_, direction) = through(film, perspective(None), window, raster);
         assert!((direction - DVec3::from_array(expected)).length() < 1e-6, "{film:?} {window:?}: {direction}");
     }
     // The lens: the point in focus, wherever on the lens the ray starts.
@@ -84,18 +88,13 @@ fn crops_and_principal_points_are_mitsubas() {
         let depth = LENS.focus_distance - (origin - DVec3::new(1.0, 2.0, 3.0)).dot(forward);
         origin + direction * (depth / direction.dot(forward))
     };
-    let (xk, direction) = of_image([2, 5], middle, CROP, perspective(Some(LENS)), window(DVec2::ZERO));
+    let (xk, direction) = through(CROP, perspective(Some(LENS)), window(DVec2::ZERO), middle);
     let theirs =
         focus(DVec3::new(1.05752873, 2.14488673, 2.96424508), DVec3::new(-0.48116791, -0.08330552, -0.87266123));
     assert!((focus(xk.position, direction) - theirs).length() < 5e-6, "{theirs}");
     // Mitsuba's orthographic rays start at the near plane, 0.001 in front.
-    let (xk, _) = of_image(
-        [2, 5],
-        middle,
-        CROP,
-        Projection::Orthographic { half_width: 2.0, half_height: 1.2 },
-        window(DVec2::ZERO),
-    );
+    let projection = Projection::Orthographic { half_width: 2.0, half_height: 1.2 };
+    let (xk, _) = through(CROP, projection, window(DVec2::ZERO), middle);
     let theirs = DVec3::new(-0.052655, 2.39211178, 3.02581835) - forward * 1e-3;
     assert!((xk.position - theirs).length() < 1e-6, "{}", xk.position);
 }

@@ -43,6 +43,20 @@ pub enum Texture {
         /// Its name, as [`Attribute::name`](super::description::Attribute::name).
         name: String,
     },
+    /// Another one, where the first two channels of an attribute are the texture coordinates: of meshes with several sets.
+    OtherCoordinates {
+        /// The other.
+        of: Box<Texture>,
+        /// The attribute's name.
+        attribute: String,
+    },
+    /// One where another is at least a threshold and zero elsewhere, channel by channel.
+    Step {
+        /// The other.
+        of: Box<Texture>,
+        /// The threshold.
+        threshold: f64,
+    },
     /// The product of all, channel by channel.
     Product(Vec<Texture>),
     /// One channel of another as a grey one.
@@ -78,6 +92,11 @@ impl Texture {
                 colours[usize::from(upper(uv.x) != upper(uv.y))].eval(at)
             }
             Self::Attribute { name } => at.attribute(name),
+            Self::OtherCoordinates { of, attribute } => {
+                let [u, v, ..] = at.attribute(attribute);
+                of.eval(&SurfacePoint { uv: DVec2::new(u, v), ..*at })
+            }
+            Self::Step { of, threshold } => of.eval(at).map(|x| if x >= *threshold { 1.0 } else { 0.0 }),
             Self::Product(factors) => {
                 let mut product = [1.0; 4];
                 for factor in factors {
@@ -138,7 +157,10 @@ impl Texture {
             Self::Constant(_) | Self::Bitmap { .. } | Self::Attribute { .. } => {}
             Self::Checkerboard { colours, .. } => colours.iter().for_each(|colour| colour.visit(see)),
             Self::Product(factors) => factors.iter().for_each(|factor| factor.visit(see)),
-            Self::Channel { of, .. } | Self::Remapped { of, .. } => of.visit(see),
+            Self::Channel { of, .. }
+            | Self::Remapped { of, .. }
+            | Self::OtherCoordinates { of, .. }
+            | Self::Step { of, .. } => of.visit(see),
         }
     }
 }

@@ -25,6 +25,11 @@ pub enum RadiosityError {
     /// A thin lens, or a meter.
     #[error("camera '{0}': images are averaged behind pinholes and orthographic films only; choose one without a lens")]
     Lens(String),
+    /// A crop, a shifted image, or a wide filter.
+    #[error(
+        "camera '{0}': images are averaged over whole films with a box filter only; take the crop and the filter away"
+    )]
+    Film(String),
     /// The patches' size is no length.
     #[error("patch edge of {0} m: give a positive finite length")]
     PatchEdge(f64),

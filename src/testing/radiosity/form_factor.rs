@@ -6,7 +6,8 @@ use std::sync::LazyLock;
 use glam::DVec3;
 
 use super::polygon::{Plane, Polygon, area_vector, centroid, edges, radius};
-use super::quadrature::{Rule, double_exponential, gauss_legendre, triangle};
+use super::quadrature::triangle;
+use crate::quadrature::{Rule, double_exponential, gauss_legendre};
 
 /// For edges that touch or nearly do.
 static SINGULAR: LazyLock<Rule> = LazyLock::new(|| double_exponential(0.2));

@@ -42,7 +42,11 @@ impl View {
                 (DVec2::new(aspect * half_height, half_height), false)
             }
             Projection::Orthographic { half_width, half_height } => (DVec2::new(half_width, half_height), true),
-            Projection::Hemisphere | Projection::Window { .. } | Projection::Ray => {
+            Projection::Hemisphere
+            | Projection::Window { .. }
+            | Projection::Ray
+            | Projection::Surface { .. }
+            | Projection::Distant { .. } => {
                 unreachable!("DiffuseScene refuses meters")
             }
         };

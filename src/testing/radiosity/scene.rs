@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use glam::DVec3;
 
 use crate::geometry::Bounds;
-use crate::scene::description::{BsdfDescription, Lens, Mesh, Projection, SensorDescription};
+use crate::scene::description::{BsdfDescription, Lens, Mesh, PixelFilter, Projection, SensorDescription};
 use crate::scene::texture::Parameter;
 use crate::scene::{PrimitiveId, Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
@@ -166,9 +166,13 @@ fn check(description: &SceneDescription) -> Result<(), RadiosityError> {
                 Projection::Perspective { lens: Some(Lens { .. }), .. }
                 | Projection::Hemisphere
                 | Projection::Window { .. }
-                | Projection::Ray,
+                | Projection::Ray
+                | Projection::Surface { .. }
+                | Projection::Distant { .. },
             ..
         }) => Err(RadiosityError::Lens(name.clone())),
+        Some(camera) if camera.window != SensorDescription::WHOLE => Err(RadiosityError::Film(camera.name.clone())),
+        Some(camera) if description.filter != PixelFilter::Box => Err(RadiosityError::Film(camera.name.clone())),
         _ => Ok(()),
     }
 }

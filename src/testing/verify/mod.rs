@@ -57,7 +57,9 @@ fn stages() -> Vec<Stage> {
     let truncated = Rgb::from([0, 1, 2].map(|c| channel(l[c], rho[c]))).luminance();
     let enclosure = Stage { scene: scenes::enclosure(emission, reflectance, FILM), known: Some(truncated) };
     use scenes::{bazaar, cabinet, gallery, lanterns, observatory, room, showroom, terrace, veneer};
-    let others = [room, bazaar, cabinet, terrace, gallery, veneer, showroom, lanterns, observatory];
+    use scenes::{frieze, overlook, photometer, vignette};
+    let cameras = [room, bazaar, cabinet, terrace, gallery, veneer, showroom, lanterns, observatory, vignette, frieze];
+    let others = cameras.into_iter().chain([photometer, overlook]);
     std::iter::once(enclosure).chain(others.map(|make| Stage { scene: make(FILM), known: None })).collect()
 }
 

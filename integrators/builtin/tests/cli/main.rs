@@ -7,6 +7,7 @@ mod interruption;
 mod layers;
 mod measure;
 mod output;
+mod parity;
 mod paths;
 mod references;
 mod reproducibility;

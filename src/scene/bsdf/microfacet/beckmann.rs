@@ -2,6 +2,8 @@ use std::f64::consts::{FRAC_1_PI, FRAC_2_SQRT_PI};
 
 use glam::DVec3;
 
+use crate::quadrature::Rule;
+
 /// √π.
 const SQRT_PI: f64 = 2.0 / FRAC_2_SQRT_PI;
 
@@ -74,8 +76,23 @@ impl Beckmann {
         let along = slope(w.z, sine, u[0]);
         // By symmetry from the lower half, where the inversion takes the fewest steps.
         let across = if u[1] > 0.5 { -slope(1.0, 0.0, 1.0 - u[1]) } else { slope(1.0, 0.0, u[1]) };
-        let (x, y) = (c * along - s * across, s * along + c * across);
+        self.of_slopes([c * along - s * across, s * along + c * across])
+    }
+
+    /// The normal for slopes along u and v at unit roughness.
+    fn of_slopes(&self, [x, y]: [f64; 2]) -> DVec3 {
         DVec3::new(-self.alpha[0] * x, -self.alpha[1] * y, 1.0).normalize()
+    }
+
+    /// See [`Microfacets::visible_rule`](super::Microfacets::visible_rule). One half of the slopes across is enough.
+    pub(super) fn visible_rule(&self, v: DVec3, rule: &Rule) -> Vec<(DVec3, f64)> {
+        let w = DVec3::new(self.alpha[0] * v.x, 0.0, v.z).normalize();
+        let slopes = |cos: f64, sin: f64, share: f64| {
+            rule.iter().map(|&(u, weight)| (slope(cos, sin, share * u), weight)).collect::<Rule>()
+        };
+        let (along, across) = (slopes(w.z, w.x, 1.0), slopes(1.0, 0.0, 0.5));
+        let pairs = along.iter().flat_map(|&(x, wx)| across.iter().map(move |&(y, wy)| ([x, y], wx * wy)));
+        pairs.map(|(slopes, weight)| (self.of_slopes(slopes), weight)).collect()
     }
 }
 

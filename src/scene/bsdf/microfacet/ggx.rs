@@ -2,6 +2,7 @@ use std::f64::consts::FRAC_1_PI;
 
 use glam::DVec3;
 
+use crate::quadrature::Rule;
 use crate::warp;
 
 /// GGX (Trowbridge and Reitz 1975; Walter et al. 2007) with Smith's shadowing.
@@ -60,5 +61,14 @@ impl Ggx {
         let sine = (u[1] * above * ((w.x * w.x + w.y * w.y) / above + height)).sqrt();
         let (s, c) = warp::sin_cos_turn(u[0]);
         DVec3::new(self.alpha[0] * (sine * c + w.x), self.alpha[1] * (sine * s + w.y), height).normalize()
+    }
+
+    /// See [`Microfacets::visible_rule`](super::Microfacets::visible_rule). Half of a turn is drawn with the first number,
+    /// and what is symmetric and periodic in it has equal weights.
+    pub(super) fn visible_rule(&self, v: DVec3, rule: &Rule) -> Vec<(DVec3, f64)> {
+        let count = rule.len();
+        let turns = (0..count).map(|i| (i as f64 + 0.5) / (2 * count) as f64);
+        let pairs = turns.flat_map(|turn| rule.iter().map(move |&(u, weight)| ([turn, u], weight / count as f64)));
+        pairs.map(|(u, weight)| (self.sample_visible(v, u), weight)).collect()
     }
 }

@@ -9,6 +9,7 @@ mod ggx;
 use glam::DVec3;
 
 use crate::measure::{Density, SolidAngle};
+use crate::quadrature::Rule;
 use crate::scene::description::MicrofacetKind;
 
 pub use beckmann::Beckmann;
@@ -86,5 +87,11 @@ impl Microfacets {
     #[inline]
     pub fn sample_visible(&self, v: DVec3, u: [f64; 2]) -> DVec3 {
         of_either!(self, model => model.sample_visible(v, u))
+    }
+
+    /// Visible normals as seen from a direction in the plane of u and the normal, and weights that add up to one: a rule for
+    /// integrals over `D_v` of what is symmetric about that plane.
+    pub(super) fn visible_rule(&self, v: DVec3, rule: &Rule) -> Vec<(DVec3, f64)> {
+        of_either!(self, model => model.visible_rule(v, rule))
     }
 }

@@ -156,9 +156,10 @@ fn samples_follow_their_density() {
             set_ups.extend(cosines.iter().flat_map(|&c| [c, -c]).map(|cos| (rough_glass(alpha, ior), alpha, ior, cos)));
         }
     }
-    let wide = others().into_iter().chain(composites::all());
-    for model in wide.filter(Bsdf::has_finite) {
-        let cosines = if model.transmits() { &[0.8, 0.3, -0.6][..] } else { &[0.8, 0.3] };
+    let wide = others().into_iter().chain(composites::all()).chain(gltf::wide());
+    for (i, model) in wide.filter(Bsdf::has_finite).enumerate() {
+        // Steep and flat in turn.
+        let cosines = if model.transmits() { &[0.7, -0.6][..] } else { &[0.8, 0.3][i % 2..][..1] };
         set_ups.extend(cosines.iter().map(|&cos| (model.clone(), 1.0, 1.0, cos)));
     }
     let threshold = 1e-3 / set_ups.len() as f64;

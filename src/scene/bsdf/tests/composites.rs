@@ -71,7 +71,7 @@ pub(super) fn pinned(description: &BsdfDescription) -> Bsdf {
     Bsdf::Custom(Arc::new(Pinned { model: Composite::new(description).unwrap(), at }))
 }
 
-fn bitmap(texels: [[f32; 4]; 4]) -> Arc<Texture> {
+pub(super) fn bitmap(texels: [[f32; 4]; 4]) -> Arc<Texture> {
     let (filter, wrap, texels) = (Filter::Bilinear, [Wrap::Repeat; 2], Texels::Float(texels.to_vec()));
     let bitmap = Bitmap { name: "four".into(), width: 2, height: 2, texels, filter, wrap };
     Arc::new(Texture::Bitmap { bitmap: Arc::new(bitmap), to_uv: DAffine2::IDENTITY })
@@ -106,6 +106,47 @@ fn brushed() -> BsdfDescription {
     }
 }
 
+fn lacquer() -> BsdfDescription {
+    BsdfDescription::Plastic {
+        interior_ior: 1.5,
+        exterior_ior: 1.0,
+        diffuse: Parameter::Texture(coloured()),
+        specular: Parameter::Texture(grey([0.8, 0.5, 0.6, 0.4])),
+        nonlinear: true,
+    }
+}
+
+fn rough_lacquer() -> Box<BsdfDescription> {
+    Box::new(BsdfDescription::RoughPlastic {
+        distribution: MicrofacetKind::Ggx,
+        alpha: 0.2,
+        interior_ior: 1.5,
+        exterior_ior: 1.0,
+        diffuse: Parameter::Texture(coloured()),
+        specular: Rgb::WHITE.into(),
+        nonlinear: true,
+    })
+}
+
+/// The principled model with a texture for each parameter.
+fn everything() -> Box<BsdfDescription> {
+    let share = |low: f32, high: f32| Parameter::Texture(grey([low, high, high, low]));
+    Box::new(BsdfDescription::Principled(Box::new(PrincipledDescription {
+        base_color: Parameter::Texture(coloured()),
+        roughness: share(0.5, 0.8),
+        anisotropic: share(0.2, 0.5),
+        metallic: share(0.1, 0.4),
+        spec_trans: share(0.3, 0.6),
+        eta: 1.4,
+        spec_tint: share(0.2, 0.5),
+        sheen: share(0.2, 0.5),
+        sheen_tint: share(0.2, 0.5),
+        flatness: share(0.2, 0.5),
+        clearcoat: share(0.2, 0.5),
+        clearcoat_gloss: share(0.0, 0.1),
+    })))
+}
+
 fn mirror_and_matt() -> Box<BsdfDescription> {
     let mirror = Box::new(BsdfDescription::conductor(gold()));
     Box::new(BsdfDescription::Blend { weight: 0.4.into(), first: mirror, second: matt() })
@@ -116,8 +157,17 @@ fn turned(nested: Box<BsdfDescription>) -> BsdfDescription {
     BsdfDescription::Perturbed { normal: NormalSource::Map { texture, scale: [1.0; 2], against_v: true }, nested }
 }
 
+fn steep(nested: Box<BsdfDescription>) -> BsdfDescription {
+    let texture = bitmap([[0.9, 0.7, 0.7, 1.0]; 4]);
+    BsdfDescription::Perturbed { normal: NormalSource::Map { texture, scale: [1.0; 2], against_v: false }, nested }
+}
+
 /// Each composite, over models with finite and with Dirac lobes.
 pub(super) fn all() -> Vec<Bsdf> {
+    descriptions().iter().map(pinned).collect()
+}
+
+pub(super) fn descriptions() -> Vec<BsdfDescription> {
     let glass = || Box::new(BsdfDescription::dielectric(1.5, 1.0));
     let opacity = Parameter::Texture(grey([0.9, 0.3, 0.5, 0.6]));
     let bump = NormalSource::Bump { texture: grey([0.0, 0.4, 0.2, 0.1]), scale: 0.3 };
@@ -127,7 +177,7 @@ pub(super) fn all() -> Vec<Bsdf> {
         reflectance: Parameter::Texture(coloured()),
         transmittance: Parameter::Texture(coloured()),
     };
-    [
+    vec![
         BsdfDescription::Null,
         *shiny(),
         *mirror_and_matt(),
@@ -139,18 +189,27 @@ pub(super) fn all() -> Vec<Bsdf> {
         BsdfDescription::Blend { weight: 0.3.into(), first: glass(), second: Box::new(pane.clone()) },
         pane,
         brushed(),
+        lacquer(),
+        *rough_lacquer(),
+        *everything(),
+        BsdfDescription::TwoSided { front: Box::new(lacquer()), back: rough_lacquer() },
+        BsdfDescription::Mask { opacity: 0.6.into(), nested: rough_lacquer() },
+        BsdfDescription::Blend { weight: 0.4.into(), first: Box::new(lacquer()), second: everything() },
+        turned(rough_lacquer()),
+        turned(everything()),
+        turned(Box::new(lacquer())),
+        steep(mirror_and_matt()),
+        steep(shiny()),
+        steep(Box::new(brushed())),
         turned(shiny()),
         turned(mirror_and_matt()),
         BsdfDescription::Perturbed { normal: bump, nested: shiny() },
     ]
-    .iter()
-    .map(pinned)
-    .collect()
 }
 
 /// Those whose parts are reciprocal: a turned normal is not.
 pub(super) fn reciprocal() -> Vec<Bsdf> {
-    all().into_iter().take(11).collect()
+    all().into_iter().take(17).collect()
 }
 
 #[test]
@@ -195,6 +254,28 @@ fn a_bump_turns_the_normal_against_the_slope() {
     let sample = turned.sample(Side::Sensor, from, [0.5; 3]).unwrap();
     let expected = normal * (2.0 * from.dot(normal)) - from;
     assert!((sample.to - expected).length() < 1e-12, "{}, not {expected}", sample.to);
+}
+
+/// The formula of Estevez et al. (2019) for a normal of slope 0.5, and a normal that looks away from the sensor mirrored.
+#[test]
+fn turned_normals_cast_soft_shadows_and_face_the_sensor() {
+    let texture = bitmap([[0.7, 0.5, 0.9, 1.0]; 4]);
+    let normal = NormalSource::Map { texture, scale: [1.0; 2], against_v: false };
+    let turned = pinned(&BsdfDescription::Perturbed { normal, nested: matt() });
+    let bare = Bsdf::new(&matt()).unwrap();
+    let n = DVec3::new(0.4, 0.0, 0.8).normalize();
+    let tan2 = 3.0;
+    let shadowing = 2.0 / (1.0 + (1.0_f64 + 0.125 * 0.25 * tan2).sqrt());
+    let to_emitter = direction(0.5, 0.0);
+    for (to_sensor, facing) in
+        [(direction(0.8, 2.0), n), (direction(0.1, std::f64::consts::PI), DVec3::new(-n.x, 0.0, n.z))]
+    {
+        let cos = to_emitter.dot(facing);
+        let expected = if cos > 0.0 { bare.eval(DVec3::Z, DVec3::Z).g * cos / to_emitter.z * shadowing } else { 0.0 };
+        let found = turned.eval(to_emitter, to_sensor).g;
+        // The image holds single precision.
+        assert!((found - expected).abs() < 1e-6 * expected, "{to_sensor}: {found}, not {expected}");
+    }
 }
 
 #[test]

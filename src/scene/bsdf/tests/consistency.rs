@@ -29,7 +29,7 @@ fn any_direction(rng: &mut impl RngExt) -> DVec3 {
 #[test]
 fn a_sample_is_what_evaluation_says_of_its_directions() {
     let mut rng = random_numbers(21);
-    for bsdf in all().into_iter().chain(composites::all()) {
+    for bsdf in all().into_iter().chain(composites::all()).chain(gltf::all()) {
         let mut drawn = 0;
         for i in 0..4_000 {
             let (side, from) = (SIDES[i % 2], any_direction(&mut rng));
@@ -54,12 +54,36 @@ fn a_sample_is_what_evaluation_says_of_its_directions() {
     }
 }
 
+/// Either walk can draw every pair of directions that scatters: what a walk from one end alone must not miss.
+#[test]
+fn walks_from_both_ends_draw_what_scatters() {
+    let mut rng = random_numbers(25);
+    for bsdf in all().into_iter().chain(composites::all()).filter(Bsdf::has_finite) {
+        let mut seen = 0;
+        for i in 0..10_000 {
+            let a = any_direction(&mut rng);
+            let drawn = bsdf.sample(SIDES[i % 2], a, rng.random());
+            let b = if i % 2 == 0 { any_direction(&mut rng) } else { drawn.map_or(DVec3::Z, |s| s.to) };
+            for (to_emitter, to_sensor) in [(a, b), (b, a)] {
+                // Below, densities underflow.
+                if bsdf.eval(to_emitter, to_sensor).max_component() > 1e-200 {
+                    let densities = [bsdf.density(to_sensor, to_emitter), bsdf.density(to_emitter, to_sensor)];
+                    let drawn = densities.map(|density| density.value() > 0.0);
+                    assert_eq!(drawn, [true; 2], "{bsdf:?} {to_emitter} → {to_sensor}");
+                    seen += 1;
+                }
+            }
+        }
+        assert!(seen > 300, "{bsdf:?}: {seen}");
+    }
+}
+
 /// Helmholtz: `f_s(a→b) / η_b² = f_s(b→a) / η_a²` (Veach 1997, §5.2). The coefficients of Dirac lobes differ by the square of
 /// that factor, because each stands before a distribution on its own emitter's side.
 #[test]
 fn scattering_is_reciprocal_up_to_the_square_of_the_index() {
     let mut rng = random_numbers(22);
-    for bsdf in all().into_iter().chain(composites::reciprocal()) {
+    for bsdf in all().into_iter().chain(composites::reciprocal()).chain(gltf::reciprocal()) {
         let mut seen = 0;
         for i in 0..3_000 {
             let a = any_direction(&mut rng);

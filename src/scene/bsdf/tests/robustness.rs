@@ -1,5 +1,7 @@
 //! No parameters and no directions give NaN, infinities or negative numbers; Fresnel's equations at known points.
 
+use std::sync::LazyLock;
+
 use proptest::prelude::*;
 
 use super::super::fresnel::{Interface, conductor_channel};
@@ -72,6 +74,48 @@ fn any_other() -> impl Strategy<Value = BsdfDescription> {
     ]
 }
 
+fn any_coated() -> impl Strategy<Value = BsdfDescription> {
+    let tint = || (0.0..=1.0_f64).prop_map(|t| Parameter::from(Rgb::new(t, 0.0, 1.0)));
+    (index(), index(), tint(), any::<bool>()).prop_map(|(interior_ior, exterior_ior, diffuse, nonlinear)| {
+        BsdfDescription::Plastic { interior_ior, exterior_ior, diffuse, specular: reflects(), nonlinear }
+    })
+}
+
+fn any_principled() -> impl Strategy<Value = BsdfDescription> {
+    let share = || prop_oneof![Just(0.0), Just(1.0), 0.0..=1.0_f64, Just(1e-9)];
+    (prop::array::uniform10(share()), index(), any::<bool>()).prop_map(|(shares, eta, black)| {
+        let [roughness, anisotropic, metallic, spec_trans, spec_tint, sheen, sheen_tint, flatness, clearcoat, gloss] =
+            shares.map(Parameter::from);
+        BsdfDescription::Principled(Box::new(PrincipledDescription {
+            base_color: if black { Rgb::BLACK.into() } else { passes() },
+            roughness,
+            anisotropic,
+            metallic,
+            spec_trans,
+            eta,
+            spec_tint,
+            sheen,
+            sheen_tint,
+            flatness,
+            clearcoat,
+            clearcoat_gloss: gloss,
+        }))
+    })
+}
+
+/// Coats of extreme parameters, which take too long to integrate for every case.
+fn any_rough_plastic() -> impl Strategy<Value = Bsdf> {
+    static ALL: LazyLock<Vec<Bsdf>> = LazyLock::new(|| {
+        use MicrofacetKind::{Beckmann, Ggx};
+        [(Ggx, 1e-8, 1.5), (Ggx, 10.0, 1.0 + 1e-9), (Ggx, 0.3, 100.0), (Ggx, 0.1, 0.01), (Ggx, 1.0, 1.0)]
+            .into_iter()
+            .chain([(Beckmann, 1e-8, 100.0), (Beckmann, 10.0, 0.7), (Beckmann, 0.3, 1.0 - 1e-9)])
+            .map(|(kind, alpha, ior)| rough_plastic(kind, alpha, ior, false))
+            .collect()
+    });
+    (0..8_usize).prop_map(|i| ALL[i].clone())
+}
+
 fn any_bsdf() -> impl Strategy<Value = Bsdf> {
     prop_oneof![
         (0.0..=1.0_f64).prop_map(|r| BsdfDescription::Diffuse { reflectance: Rgb::new(r, 0.0, 1.0).into() }),
@@ -83,6 +127,8 @@ fn any_bsdf() -> impl Strategy<Value = Bsdf> {
             BsdfDescription::rough_dielectric(alpha, interior_ior, exterior_ior)
         }),
         any_other(),
+        any_coated(),
+        any_principled(),
     ]
     .prop_map(|description| Bsdf::new(&description).unwrap())
 }
@@ -100,7 +146,7 @@ proptest! {
 
     #[test]
     fn every_answer_is_finite_and_not_negative(
-        bsdf in any_bsdf(),
+        bsdf in prop_oneof![9 => any_bsdf(), 1 => any_rough_plastic()],
         a in any_unit(),
         b in any_unit(),
         u in any::<[u32; 3]>().prop_map(|u| u.map(|u| f64::from(u) / 4_294_967_296.0)),

@@ -1,7 +1,7 @@
 use glam::DVec3;
 use serde_json::json;
 
-use super::{F32, File, I8, I16, TRIANGLE, U8, U16, U32, assert_refused, assert_unsupported, corners, read_json};
+use super::{F32, File, I8, I16, TRIANGLE, U8, U16, U32, assert_refused, corners, read_json};
 
 fn triangle_in_world() -> [DVec3; 3] {
     TRIANGLE.map(|p| DVec3::from(p.map(f64::from)))
@@ -145,21 +145,6 @@ fn points_and_lines_are_left_out_with_a_warning() {
         let scene = read_json(&json).unwrap();
         assert!(scene.meshes.is_empty());
         assert!(scene.warnings[0].contains("1 primitive of points or lines"), "{:?}", scene.warnings);
-    }
-}
-
-#[test]
-fn vertex_colours_are_refused_unless_white() {
-    for (last, white) in [(1.0, true), (0.5, false)] {
-        let mut file = File::default();
-        let positions = file.vectors(&TRIANGLE);
-        let colours = file.vectors(&[[1.0; 4], [1.0; 4], [1.0, 1.0, last, 1.0]]);
-        let json = file.finish_with(json!({"attributes": {"POSITION": positions, "COLOR_0": colours}}));
-        if white {
-            assert!(read_json(&json).is_ok());
-        } else {
-            assert_unsupported(&json, &["vertex colours", "COLOR_0", "meshes[0].primitives[0]"]);
-        }
     }
 }
 

@@ -60,7 +60,7 @@ fn cameras_can_be_chosen_by_name_or_number() {
     let path = folder.path().join("a.gltf");
     std::fs::write(&path, json.to_string()).unwrap();
     let name = |camera: Option<&str>| {
-        let options = ReadOptions { camera: camera.map(String::from) };
+        let options = ReadOptions { camera: camera.map(String::from), ..ReadOptions::default() };
         read_with(&path, &options).map(|scene| (scene.sensor.unwrap().name, scene.warnings))
     };
     let (first, warnings) = name(None).unwrap();

@@ -1,7 +1,9 @@
 use serde_json::{Value, json};
 
 use super::{assert_refused, assert_unsupported, read_json, triangle};
-use crate::scene::description::{BsdfDescription, ConductorFresnel, Material};
+use crate::scene::description::{
+    BsdfDescription, ConductorFresnel, GltfAnisotropy, GltfCoat, GltfDescription, GltfSheen, Material, Slot,
+};
 use crate::spectrum::Rgb;
 
 fn with_material(material: Value) -> Value {
@@ -17,51 +19,94 @@ fn read(material: Value) -> (Material, usize) {
     (scene.materials[0].clone(), scene.warnings.len())
 }
 
-fn tint(r: f64, g: f64, b: f64) -> ConductorFresnel {
-    ConductorFresnel::Tint { specular_tint: Rgb::new(r, g, b) }
+fn layers(material: Value) -> GltfDescription {
+    match read(material).0.bsdf {
+        BsdfDescription::Gltf(gltf) => *gltf,
+        other => panic!("{other:?}"),
+    }
+}
+
+fn constant(r: f64, g: f64, b: f64, a: f64) -> Slot {
+    Slot::constant([r, g, b, a])
 }
 
 #[test]
-fn rough_non_metals_are_diffuse_without_a_warning() {
-    let (material, warnings) = read(
-        json!({"name": "red", "pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.1, 0.2, 1], "metallicFactor": 0}}),
-    );
+fn non_metals_without_a_specular_layer_are_lamberts() {
+    let (material, warnings) = read(json!({
+        "name": "red", "pbrMetallicRoughness": {"baseColorFactor": [0.6, 0.1, 0.2, 1], "metallicFactor": 0},
+        "extensions": {"KHR_materials_specular": {"specularFactor": 0}},
+    }));
     assert_eq!(material.bsdf, BsdfDescription::Diffuse { reflectance: Rgb::new(0.6, 0.1, 0.2).into() });
     assert_eq!(
         (material.name.as_str(), material.two_sided, material.emission, warnings),
         ("red", false, Rgb::BLACK.into(), 0)
     );
-    let (_, warnings) = read(json!({"pbrMetallicRoughness": {"metallicFactor": 0, "roughnessFactor": 0.5}}));
-    assert_eq!(warnings, 1);
 }
 
 #[test]
-fn metals_are_tinted_conductors() {
-    let metal = |roughness: f64| {
-        let factors = json!({"baseColorFactor": [0.9, 0.8, 0.7, 1], "roughnessFactor": roughness});
-        read(json!({"pbrMetallicRoughness": factors})).0.bsdf
+fn factors_are_those_of_gltfs_own_model() {
+    let factors = json!({"baseColorFactor": [0.9, 0.8, 0.7, 1], "roughnessFactor": 0.5, "metallicFactor": 0.25});
+    let found = layers(json!({"pbrMetallicRoughness": factors}));
+    let expected = GltfDescription {
+        base_color: constant(0.9, 0.8, 0.7, 1.0),
+        metallic_roughness: constant(1.0, 0.5, 0.25, 1.0),
+        ..GltfDescription::default()
     };
-    assert_eq!(metal(0.5), BsdfDescription::rough_conductor(0.25, tint(0.9, 0.8, 0.7)));
-    assert_eq!(metal(0.009), BsdfDescription::conductor(tint(0.9, 0.8, 0.7)));
+    assert_eq!(found, expected);
 }
 
 #[test]
 fn without_a_material_the_default_one_is_taken() {
     let scene = read_json(&triangle()).unwrap();
-    assert_eq!(scene.materials[0].bsdf, BsdfDescription::rough_conductor(1.0, tint(1.0, 1.0, 1.0)));
+    assert_eq!(scene.materials[0].bsdf, BsdfDescription::Gltf(Box::default()));
     assert!(scene.warnings.is_empty());
 }
 
 #[test]
-fn transmission_makes_a_dielectric() {
-    let glass = |roughness: f64, ior: Value| {
-        let factors = json!({"metallicFactor": 0, "roughnessFactor": roughness});
-        let extensions = json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_ior": ior});
-        read(json!({"pbrMetallicRoughness": factors, "extensions": extensions})).0.bsdf
+fn each_extension_is_a_layer() {
+    let with =
+        |extensions: Value| layers(json!({"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": extensions}));
+    let found = with(json!({"KHR_materials_ior": {"ior": 1.3}, "KHR_materials_specular": {
+        "specularFactor": 0.5, "specularColorFactor": [2, 1, 0.5],
+    }}));
+    assert_eq!(
+        (found.ior, found.specular, found.specular_color),
+        (1.3, constant(1.0, 1.0, 1.0, 0.5), constant(2.0, 1.0, 0.5, 1.0))
+    );
+    let found = with(json!({"KHR_materials_transmission": {"transmissionFactor": 0.6}}));
+    assert_eq!((found.transmission, found.volume), (constant(0.6, 1.0, 1.0, 1.0), None));
+    let volume = |volume: Value| {
+        with(json!({"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": volume})).volume
     };
-    assert_eq!(glass(0.0, json!({})), BsdfDescription::dielectric(1.5, 1.0));
-    let rough = BsdfDescription::rough_dielectric(0.25, 1.3, 1.0);
-    assert_eq!(glass(0.5, json!({"ior": 1.3})), rough);
+    assert_eq!(volume(json!({"thicknessFactor": 0, "attenuationDistance": 1, "attenuationColor": [1, 0, 0]})), None);
+    let found =
+        volume(json!({"thicknessFactor": 2, "attenuationDistance": 3, "attenuationColor": [1, 0.5, 0.25]})).unwrap();
+    assert_eq!((found.thickness.factor[1], found.attenuation_distance), (2.0, 3.0));
+    assert_eq!(found.attenuation_color, Rgb::new(1.0, 0.5, 0.25));
+    assert_eq!(with(json!({"KHR_materials_volume": {"thicknessFactor": 2}})).volume, None);
+    let found = with(json!({"KHR_materials_clearcoat": {"clearcoatFactor": 0.7, "clearcoatRoughnessFactor": 0.3}}));
+    let expected =
+        GltfCoat { factor: constant(0.7, 1.0, 1.0, 1.0), roughness: constant(1.0, 0.3, 1.0, 1.0), normal: None };
+    assert_eq!(found.clearcoat, Some(expected));
+    let found =
+        with(json!({"KHR_materials_sheen": {"sheenColorFactor": [0.1, 0.2, 0.3], "sheenRoughnessFactor": 0.4}}));
+    let expected = GltfSheen { color: constant(0.1, 0.2, 0.3, 1.0), roughness: constant(1.0, 1.0, 1.0, 0.4) };
+    assert_eq!(found.sheen, Some(expected));
+    let found = with(json!({"KHR_materials_anisotropy": {"anisotropyStrength": 0.5, "anisotropyRotation": 1.25}}));
+    assert_eq!(found.anisotropy, Some(GltfAnisotropy { strength: 0.5, rotation: 1.25, texture: None }));
+    let off = with(json!({
+        "KHR_materials_clearcoat": {"clearcoatFactor": 0}, "KHR_materials_sheen": {}, "KHR_materials_anisotropy": {},
+    }));
+    assert_eq!((off.clearcoat, off.sheen, off.anisotropy), (None, None, None));
+}
+
+#[test]
+fn unlit_materials_emit_their_colour() {
+    let (material, warnings) = read(json!({
+        "pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.8, 0.7, 1]}, "extensions": {"KHR_materials_unlit": {}},
+    }));
+    assert_eq!(material.bsdf, BsdfDescription::Diffuse { reflectance: Rgb::BLACK.into() });
+    assert_eq!((material.emission, warnings), (Rgb::new(0.9, 0.8, 0.7).into(), 1));
 }
 
 #[test]
@@ -76,59 +121,44 @@ fn emission_is_factor_times_strength() {
 }
 
 #[test]
-fn textures_are_refused_by_slot() {
-    let info = json!({"index": 0});
-    for (slot, material) in [
-        ("baseColorTexture", json!({"pbrMetallicRoughness": {"baseColorTexture": info}})),
-        ("metallicRoughnessTexture", json!({"pbrMetallicRoughness": {"metallicRoughnessTexture": info}})),
-        ("normalTexture", json!({"normalTexture": info})),
-        ("emissiveTexture", json!({"emissiveTexture": info, "emissiveFactor": [1, 1, 1]})),
-    ] {
-        let mut json = with_material(material);
-        json["textures"] = json!([{"source": 0}]);
-        json["images"] = json!([{"uri": "a.png"}]);
-        assert_unsupported(&json, &["textures are not supported yet", slot, "materials[0]"]);
-        // Nobody sees a material that nothing is made of.
-        json["meshes"][0]["primitives"][0].as_object_mut().unwrap().remove("material");
-        assert!(read_json(&json).is_ok(), "{slot}");
-    }
-    let mut json = with_material(json!({"occlusionTexture": info, "emissiveTexture": info}));
-    json["textures"] = json!([{"source": 0}]);
-    json["images"] = json!([{"uri": "a.png"}]);
-    assert!(read_json(&json).is_ok());
-}
-
-#[test]
 fn what_would_change_the_picture_is_refused_by_name() {
     for (name, on, off) in [
-        ("KHR_materials_clearcoat", json!({"clearcoatFactor": 0.5}), json!({"clearcoatFactor": 0})),
-        ("KHR_materials_sheen", json!({"sheenColorFactor": [0, 0.1, 0]}), json!({"sheenColorFactor": [0, 0, 0]})),
-        ("KHR_materials_anisotropy", json!({"anisotropyStrength": 0.5}), json!({})),
         ("KHR_materials_iridescence", json!({"iridescenceFactor": 1}), json!({})),
-        (
-            "KHR_materials_volume",
-            json!({"attenuationDistance": 1, "attenuationColor": [1, 0, 0]}),
-            json!({"thicknessFactor": 1}),
-        ),
+        ("KHR_materials_diffuse_transmission", json!({"diffuseTransmissionFactor": 0.5}), json!({})),
+        ("KHR_materials_dispersion", json!({"dispersion": 0.5}), json!({"dispersion": 0})),
     ] {
-        let material = |extension: Value| json!({"extensions": {name: extension, "KHR_materials_transmission": {"transmissionFactor": 1}}});
+        let material = |extension: Value| {
+            json!({"pbrMetallicRoughness": {"metallicFactor": 0}, "extensions": {
+                name: extension, "KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": {"thicknessFactor": 1},
+            }})
+        };
         assert_unsupported(&with_material(material(on)), &[name]);
         assert!(read_json(&with_material(material(off))).is_ok(), "{name}");
     }
-    assert_unsupported(&with_material(json!({"extensions": {"KHR_materials_unlit": {}}})), &["KHR_materials_unlit"]);
+    let old = json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": {}}});
+    assert_unsupported(&with_material(old), &["KHR_materials_pbrSpecularGlossiness"]);
 }
 
 #[test]
-fn transparency_by_alpha_is_refused_where_it_shows() {
+fn alpha_is_a_mask() {
     let with_alpha = |mode: &str, alpha: f64| {
         let factors = json!({"baseColorFactor": [1, 1, 1, alpha]});
-        with_material(json!({"alphaMode": mode, "pbrMetallicRoughness": factors}))
+        read(json!({"alphaMode": mode, "pbrMetallicRoughness": factors})).0.bsdf
     };
-    assert_unsupported(&with_alpha("BLEND", 0.5), &["alpha", "materials[0]"]);
-    assert_unsupported(&with_alpha("MASK", 0.4), &["alpha"]);
-    assert!(read_json(&with_alpha("MASK", 0.6)).is_ok());
-    assert!(read_json(&with_alpha("BLEND", 1.0)).is_ok());
-    assert!(read_json(&with_alpha("OPAQUE", 0.5)).is_ok());
+    let opacity = |bsdf| match bsdf {
+        BsdfDescription::Mask { opacity, .. } => opacity.constant().copied(),
+        _ => Some(1.0),
+    };
+    assert_eq!(opacity(with_alpha("BLEND", 0.4)), Some(0.4));
+    assert_eq!(opacity(with_alpha("MASK", 0.4)), Some(0.0));
+    for (mode, alpha) in [("MASK", 0.6), ("BLEND", 1.0), ("OPAQUE", 0.5)] {
+        assert_eq!(opacity(with_alpha(mode, alpha)), Some(1.0), "{mode}");
+    }
+    // Each side of what is double-sided is as the other, below the mask too.
+    let both =
+        json!({"alphaMode": "BLEND", "doubleSided": true, "pbrMetallicRoughness": {"baseColorFactor": [1, 1, 1, 0.5]}});
+    let BsdfDescription::Mask { nested, .. } = read(both).0.bsdf else { panic!() };
+    assert!(matches!(*nested, BsdfDescription::TwoSided { .. }));
 }
 
 #[test]
@@ -153,5 +183,16 @@ fn factors_out_of_range_are_refused() {
         &with_material(json!({"pbrMetallicRoughness": {"baseColorFactor": [2, 0, 0, 1]}})),
         &["baseColorFactor"],
     );
+    for (extension, key) in [
+        ("KHR_materials_clearcoat", "clearcoatFactor"),
+        ("KHR_materials_transmission", "transmissionFactor"),
+        ("KHR_materials_anisotropy", "anisotropyStrength"),
+        ("KHR_materials_specular", "specularFactor"),
+    ] {
+        assert_refused(&with_material(json!({"extensions": {extension: {key: 1.5}}})), &[extension, key, "1.5"]);
+    }
+    let much = json!({"extensions": {"KHR_materials_clearcoat": {"clearcoatFactor": "much"}}});
+    assert_refused(&with_material(much), &["KHR_materials_clearcoat", "clearcoatFactor", "is no number"]);
+    assert_refused(&with_material(json!({"extensions": {"KHR_materials_ior": {"ior": 0.5}}})), &["ior", "0.5"]);
     assert_refused(&with_material(json!({"emissiveFactor": [-1, 0, 0]})), &["emissiveFactor"]);
 }

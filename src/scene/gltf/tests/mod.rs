@@ -9,6 +9,7 @@ mod extras;
 mod materials;
 mod mutations;
 mod samples;
+mod textures;
 mod transforms;
 
 use base64::Engine;

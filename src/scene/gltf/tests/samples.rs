@@ -3,12 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use glam::DVec3;
-use serde_json::{Value, json};
 
-use super::{corners, facing, read_bytes};
+use super::{corners, facing};
 use crate::scene::description::{LightKind, Mesh, Projection, SceneDescription};
-use crate::scene::error::SceneError;
-use crate::scene::gltf::{container, read};
+use crate::scene::gltf::read;
 
 /// The folder of the files; a test without it says so and passes.
 fn folder() -> Option<PathBuf> {
@@ -45,21 +43,15 @@ fn sample(name: &str) -> Option<SceneDescription> {
 }
 
 #[test]
-fn files_from_elsewhere_load_or_are_refused_by_name() {
+fn files_from_elsewhere_load() {
     let Some(folder) = folder() else { return };
-    let mut loaded = 0;
-    for path in all_files(&folder) {
-        match read(&path) {
-            Ok(scene) => {
-                loaded += 1;
-                assert!(!scene.meshes.is_empty(), "{}", path.display());
-                println!("{}: {} meshes, {:?}", path.display(), scene.meshes.len(), scene.warnings);
-            }
-            Err(SceneError::Unsupported { place, feature, .. }) => println!("{}: {place}: {feature}", path.display()),
-            Err(error) => panic!("{error}"),
-        }
+    let all = all_files(&folder);
+    for path in &all {
+        let scene = read(path).unwrap_or_else(|error| panic!("{error}"));
+        assert!(!scene.meshes.is_empty(), "{}", path.display());
+        println!("{}: {} meshes, {:?}", path.display(), scene.meshes.len(), scene.warnings);
     }
-    assert!(loaded >= 10, "only {loaded} files load");
+    assert!(all.len() >= 20, "only {} files", all.len());
 }
 
 #[test]
@@ -113,7 +105,7 @@ fn cameras_has_a_perspective_and_an_orthographic_one() {
     let sensor = scene.sensor.unwrap();
     assert_eq!((sensor.position, sensor.forward, sensor.up), (DVec3::new(0.5, 0.5, 3.0), -DVec3::Z, DVec3::Y));
     assert_eq!(sensor.projection, Projection::Perspective { vertical_fov: 0.7, aspect: Some(1.0), lens: None });
-    let options = crate::scene::gltf::ReadOptions { camera: Some("1".into()) };
+    let options = crate::scene::gltf::ReadOptions { camera: Some("1".into()), ..Default::default() };
     let other = crate::scene::gltf::read_with(&path, &options).unwrap().sensor.unwrap();
     assert_eq!(other.projection, Projection::Orthographic { half_width: 1.0, half_height: 1.0 });
     // The square leans by −2 atan(0.383 / 0.92375) around x: its upper edge goes to y = cos, z = −sin.
@@ -137,18 +129,10 @@ fn simple_instancing_draws_a_lattice_of_cubes() {
     }
 }
 
-/// The test card with its textures taken off, so that its geometry can be looked at.
 #[test]
 fn negative_scale_test_keeps_every_front() {
     let Some(folder) = folder() else { return };
-    let bytes = std::fs::read(folder.join("khronos/NegativeScaleTest/NegativeScaleTest.glb")).unwrap();
-    let chunks = container::split(&bytes).unwrap();
-    let mut json: Value = serde_json::from_slice(chunks.json).unwrap();
-    for material in json["materials"].as_array_mut().unwrap() {
-        material["pbrMetallicRoughness"].as_object_mut().unwrap().remove("baseColorTexture");
-    }
-    json["asset"]["version"] = json!("2.0");
-    let scene = read_bytes("a.glb", &super::bad_files::glb(json.to_string().as_bytes(), chunks.bin)).unwrap();
+    let scene = read(&folder.join("khronos/NegativeScaleTest/NegativeScaleTest.glb")).unwrap();
     let named = |name: &str| scene.meshes.iter().find(|mesh| mesh.name == name).unwrap();
     let centre = |mesh: &Mesh| {
         let (low, high) = mesh

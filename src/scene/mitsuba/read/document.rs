@@ -6,7 +6,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::fault::{Fault, Place, Result};
+use super::fault::{Fault, Place, Result, Warnings};
 use super::files::Files;
 use super::node::{Kind, Node, Property, Value};
 use super::parameters::Parameters;
@@ -29,6 +29,7 @@ pub(super) struct Document {
     pub nodes: Vec<Node>,
     pub files: Files,
     pub parameters: Parameters,
+    pub warnings: Warnings,
     ids: HashMap<String, usize>,
     includes: usize,
 }
@@ -37,7 +38,14 @@ impl Document {
     /// From the bytes of the scene's file.
     pub(super) fn read(bytes: &[u8], path: &Path, parameters: Parameters) -> Result<Self> {
         let files = Files::new(path);
-        let mut document = Self { nodes: Vec::new(), files, parameters, ids: HashMap::new(), includes: 0 };
+        let mut document = Self {
+            nodes: Vec::new(),
+            files,
+            parameters,
+            warnings: Warnings::default(),
+            ids: HashMap::new(),
+            includes: 0,
+        };
         let file: Arc<Path> = path.into();
         let mut root = tree::parse(bytes, &file)?;
         let old = document.version(&mut root)?;
@@ -138,7 +146,7 @@ impl Document {
                     self.parameters.substitute(operation)?;
                 }
                 required(&element, "name")?;
-                Value::Transform(transform::compose(&element)?)
+                Value::Transform(transform::compose(&element, &mut self.warnings)?)
             }
             _ => self.plain(&element, &place)?,
         };

@@ -56,7 +56,7 @@ impl From<Fault> for SceneError {
 }
 
 /// What is read differently from what the file says, or not at all; each place once.
-#[derive(Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Warnings(Vec<String>);
 
 impl Warnings {

@@ -21,8 +21,10 @@ pub(super) struct Local {
 }
 
 impl Local {
-    /// Transformed; `flip` turns its front around. A transform that mirrors leaves the front where its normals point.
-    pub(super) fn placed(mut self, to_world: &DMat4, flip: bool) -> Self {
+    /// Transformed; `flip` turns its front around. Under a transform that mirrors, the front stays where normals point if
+    /// they are turned `as_normals`; otherwise where the order of the corners says, as in Mitsuba 3.9.1 for meshes
+    /// whose file or use has no normals.
+    pub(super) fn placed(mut self, to_world: &DMat4, flip: bool, as_normals: bool) -> Self {
         if *to_world != DMat4::IDENTITY {
             self.positions.iter_mut().for_each(|p| *p = to_world.transform_point3(*p));
         }
@@ -31,7 +33,7 @@ impl Local {
             let sign = if flip { -1.0 } else { 1.0 };
             normals.iter_mut().for_each(|n| *n = (matrix * *n).try_normalize().unwrap_or(DVec3::ZERO) * sign);
         }
-        if (to_world.determinant() < 0.0) != flip {
+        if (as_normals && to_world.determinant() < 0.0) != flip {
             self.triangles.iter_mut().for_each(|[a, _, c]| std::mem::swap(a, c));
         }
         self
@@ -86,7 +88,7 @@ pub(super) fn cube(props: &Props<'_>, to_world: &DMat4) -> Result<Local> {
 /// All its faces are flat, with or without normals at the vertices.
 fn flat(local: Local, props: &Props<'_>, to_world: &DMat4) -> Result<Local> {
     props.ignore(&["face_normals"]);
-    Ok(local.placed(to_world, props.boolean_or("flip_normals", false)?))
+    Ok(local.placed(to_world, props.boolean_or("flip_normals", false)?, true))
 }
 
 /// A mesh from a file.
@@ -129,7 +131,8 @@ pub(super) fn file(document: &Document, props: &Props<'_>, to_world: &DMat4, war
         attributes,
         triangles,
     };
-    let mut local = local.placed(to_world, flip);
+    let authored = local.normals.is_some();
+    let mut local = local.placed(to_world, flip, authored);
     if missing {
         local.smooth();
     }

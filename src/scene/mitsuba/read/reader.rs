@@ -9,7 +9,7 @@ use super::props::Props;
 use super::shape::Part;
 use super::spectrum::Role;
 use super::texture::Textures;
-use crate::scene::description::{BsdfDescription, Material, SceneDescription};
+use crate::scene::description::{BsdfDescription, Material, SceneDescription, ShapeIndex};
 use crate::scene::texture::Parameter;
 use crate::spectrum::Rgb;
 
@@ -27,7 +27,7 @@ pub(super) struct Reader<'a> {
     /// Triangles that instances have made.
     pub instanced: usize,
     /// Sensors with the shape that they sit on.
-    pub sensors: Vec<(usize, Option<usize>)>,
+    pub sensors: Vec<(usize, Option<ShapeIndex>)>,
 }
 
 impl<'a> Reader<'a> {
@@ -35,7 +35,7 @@ impl<'a> Reader<'a> {
         Self {
             document,
             scene: SceneDescription::default(),
-            warnings: Warnings::default(),
+            warnings: document.warnings.clone(),
             textures: Textures::default(),
             bsdfs: HashMap::new(),
             materials: HashMap::new(),

@@ -5,11 +5,11 @@ use glam::{DVec2, DVec3};
 use super::emitter::frame;
 use super::fault::{Fault, Result};
 use super::fov;
-use super::node::Kind;
-use super::props::Props;
+use super::node::{Kind, Value};
+use super::props::{Props, wrong};
 use super::reader::Reader;
 use crate::names::did_you_mean;
-use crate::scene::description::{FilmSize, Lens, PixelFilter, Projection, SensorDescription};
+use crate::scene::description::{FilmSize, Lens, PixelFilter, Projection, SensorDescription, Target};
 
 /// Mitsuba's default of the distance in focus, its far clipping plane \[m\].
 const FAR: f64 = 1e4;
@@ -65,9 +65,16 @@ impl Reader<'_> {
         let Some(film) = self.film(&props)? else { return Ok(()) };
         let sensor = match shape {
             None => self.camera(&props, &film)?,
-            Some(_) => {
-                let problem = "measures at a shape, which is not supported";
-                return Err(props.wrong(problem, "use the command measure with irradiance:SURFACE"));
+            Some(shape) => {
+                if props.node.plugin != "irradiancemeter" {
+                    let problem = format!("a shape cannot have the sensor {:?}", props.node.plugin);
+                    return Err(props.wrong(problem, "move it out of the shape"));
+                }
+                self.clipping(&props)?;
+                let window = film.window(DVec2::ZERO);
+                let projection = Projection::Surface { shape };
+                let (position, forward, up) = (DVec3::ZERO, DVec3::Z, DVec3::Y);
+                SensorDescription { name: String::new(), position, forward, up, projection, window }
             }
         };
         props.finish()?;
@@ -98,16 +105,18 @@ impl Reader<'_> {
             "perspective" | "thinlens" => {
                 let horizontal = fov::horizontal(props, film.aspect())?;
                 let vertical_fov = 2.0 * libm::atan(libm::tan(0.5 * horizontal) / film.aspect());
-                shift.x = props.float_or("principal_point_offset_x", 0.0)?;
-                shift.y = props.float_or("principal_point_offset_y", 0.0)?;
-                let whole = film.crop == film.size;
-                let aspect = if whole { None } else { Some(film.aspect()) };
-                Projection::Perspective { vertical_fov, aspect, lens: self.lens(props)? }
+                // A thin lens of Mitsuba has no such parameters.
+                if plugin == "perspective" {
+                    shift.x = props.float_or("principal_point_offset_x", 0.0)?;
+                    shift.y = props.float_or("principal_point_offset_y", 0.0)?;
+                }
+                Projection::Perspective { vertical_fov, aspect: None, lens: self.lens(props)? }
             }
             "orthographic" => {
                 let half_width = props.to_world()?.x_axis.truncate().length();
                 Projection::Orthographic { half_width, half_height: half_width / film.aspect() }
             }
+            "distant" => Projection::Distant { target: self.target(props)? },
             _ => Projection::Ray,
         };
         let window = film.window(shift);
@@ -162,12 +171,11 @@ impl Reader<'_> {
     fn ray(&self, props: &Props<'_>) -> Result<(DVec3, [DVec3; 3])> {
         let distant = props.node.plugin == "distant";
         let direction = props.vector("direction")?;
-        let origin = if distant { props.get("target").map(|_| ()).and(None) } else { props.vector("origin")? };
-        if distant {
-            let problem = "is not supported";
-            return Err(props.wrong(problem, "use a radiancemeter, or the command measure with intensity:DIRECTION"));
-        }
+        // From far away, wherever that is.
+        let far = direction.filter(|_| distant).map(|_| DVec3::ZERO);
+        let origin = if distant { far } else { props.vector("origin")? };
         match (props.has("to_world"), origin, direction) {
+            (true, _, Some(_)) if distant => Err(props.wrong("has a direction and to_world", "give one of the two")),
             (true, ..) => Ok((props.to_world()?.w_axis.truncate(), frame(props)?)),
             (false, Some(origin), Some(direction)) => {
                 let Some(forward) = direction.try_normalize() else {
@@ -178,6 +186,27 @@ impl Reader<'_> {
             }
             (false, None, None) => Ok((DVec3::ZERO, [DVec3::X, DVec3::Y, DVec3::Z])),
             _ => Err(props.wrong("has an origin or a direction alone", "give both, or to_world")),
+        }
+    }
+
+    /// What a distant sensor takes the mean over.
+    fn target(&self, props: &Props<'_>) -> Result<Target> {
+        let Some(property) = props.get("target") else { return Ok(Target::Scene) };
+        let index = match property.value {
+            Value::Vector(point) => return Ok(Target::Point(point)),
+            Value::Object(index) => index,
+            _ => return Err(wrong(property, "a point or a shape")),
+        };
+        let shape = Props::new(self.document, index);
+        let m = shape.to_world()?;
+        let [u, v, centre] = [m.x_axis, m.y_axis, m.w_axis].map(glam::DVec4::truncate);
+        match shape.node.plugin.as_str() {
+            "rectangle" => Ok(Target::Parallelogram { centre, u, v }),
+            "disk" => Ok(Target::Ellipse { centre, u, v }),
+            other => {
+                let problem = format!("a target of the shape {other:?} is not supported");
+                Err(Fault::new(&property.place, problem, "give a point, a rectangle or a disk"))
+            }
         }
     }
 

@@ -9,7 +9,7 @@ use super::props::Props;
 use super::reader::Reader;
 use crate::geometry::Frame;
 use crate::names::did_you_mean;
-use crate::scene::description::{Cylinder, Disk, Mesh, Sphere};
+use crate::scene::description::{Cylinder, Disk, Mesh, ShapeIndex, Sphere};
 
 /// Most triangles that instances may make of groups.
 const MOST_INSTANCED: usize = 20_000_000;
@@ -26,6 +26,8 @@ pub(super) struct Part {
     name: String,
     form: Form,
     material: usize,
+    /// What measures at it.
+    sensor: Option<usize>,
 }
 
 #[derive(Clone, Debug)]
@@ -49,7 +51,10 @@ impl Reader<'_> {
             "instance" => self.instance(index),
             _ => {
                 let part = self.part(index, false)?;
-                self.place(part, None, index)
+                let sensor = part.sensor;
+                let shape = self.place(part, None, index)?;
+                self.sensors.extend(sensor.map(|sensor| (sensor, Some(shape))));
+                Ok(())
             }
         }
     }
@@ -72,11 +77,8 @@ impl Reader<'_> {
             let problem = "shines or measures inside of a group, which Mitsuba does not support either";
             return Err(props.wrong(problem, "take it out of the group"));
         }
-        if let Some(sensor) = sensor {
-            self.sensors.push((sensor, Some(index)));
-        }
         let material = self.material(bsdf, emitter)?;
-        Ok(Part { name: self.name_of(index), form, material })
+        Ok(Part { name: self.name_of(index), form, material, sensor })
     }
 
     fn form(&mut self, props: &Props<'_>) -> Result<Form> {
@@ -133,15 +135,16 @@ impl Reader<'_> {
     }
 
     /// Adds a shape to the scene, by an instance or directly.
-    fn place(&mut self, part: Part, instance: Option<&DMat4>, index: usize) -> Result<()> {
+    fn place(&mut self, part: Part, instance: Option<&DMat4>, index: usize) -> Result<ShapeIndex> {
         let node = &self.document.nodes[index].place;
-        let Part { name, form, material } = part;
+        let Part { name, form, material, .. } = part;
         let by = instance.copied().unwrap_or(DMat4::IDENTITY);
-        match form {
+        Ok(match form {
             Form::Mesh(local) => {
-                let local = if instance.is_some() { local.placed(&by, false) } else { local };
+                let local = if instance.is_some() { local.placed(&by, false, true) } else { local };
                 let Local { positions, normals, texcoords, attributes, triangles } = local;
                 self.scene.meshes.push(Mesh { name, positions, normals, texcoords, attributes, triangles, material });
+                ShapeIndex::Mesh(self.scene.meshes.len() - 1)
             }
             Form::Sphere { to_world, inward } => {
                 let m = by * to_world;
@@ -155,9 +158,11 @@ impl Reader<'_> {
                 let centre = m.w_axis.truncate();
                 let axes = DMat3::from_cols(axes.x_axis, axes.y_axis, axes.z_axis);
                 self.scene.spheres.push(Sphere { name, centre, radius, axes, inward, material });
+                ShapeIndex::Sphere(self.scene.spheres.len() - 1)
             }
             Form::Disk { to_world, flip } => {
                 self.scene.disks.push(Disk::transformed(name, &DAffine3::from_mat4(by * to_world), flip, material));
+                ShapeIndex::Disk(self.scene.disks.len() - 1)
             }
             Form::Cylinder { to_world, inward } => {
                 let m = by * to_world;
@@ -172,9 +177,9 @@ impl Reader<'_> {
                     return Err(Fault::new(node, problem, "scale it alike across its axis"));
                 }
                 self.scene.cylinders.push(Cylinder::transformed(name, &DAffine3::from_mat4(m), inward, material));
+                ShapeIndex::Cylinder(self.scene.cylinders.len() - 1)
             }
-        }
-        Ok(())
+        })
     }
 
     /// The shapes of a group.

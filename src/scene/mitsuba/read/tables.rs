@@ -1,6 +1,7 @@
 //! Made by `scripts/pathspace/mitsuba_tables.py`, which names the sources.
 
-/// The CIE's standard observer of 1931 (2 degrees): x̄, ȳ, z̄ from 360 to 830 nm every 5 nm.
+/// The CIE's standard observer of 1931 (2 degrees): x̄, ȳ, z̄
+/// from 360 to 830 nm every 5 nm.
 #[rustfmt::skip]
 pub(super) const OBSERVER: [[f64; 3]; 95] = [
     [0.0001299, 3.917e-06, 0.00060610002],

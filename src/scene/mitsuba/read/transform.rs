@@ -3,16 +3,16 @@
 use glam::{DMat4, DVec3, DVec4};
 
 use super::document::{allow, coordinates, required};
-use super::fault::{Fault, Place, Result};
+use super::fault::{Fault, Place, Result, Warnings};
 use super::number;
 use super::tree::Element;
 use crate::geometry::Frame;
 
 /// The product of all operations inside of an element.
-pub(super) fn compose(element: &Element) -> Result<DMat4> {
+pub(super) fn compose(element: &Element, warnings: &mut Warnings) -> Result<DMat4> {
     let mut product = DMat4::IDENTITY;
     for operation in &element.children {
-        product = matrix(operation)? * product;
+        product = matrix(operation, warnings)? * product;
         if !product.is_finite() {
             let problem = "leads to numbers that are not finite";
             return Err(Fault::new(&operation.place(), problem, "correct its numbers"));
@@ -21,7 +21,7 @@ pub(super) fn compose(element: &Element) -> Result<DMat4> {
     Ok(product)
 }
 
-fn matrix(element: &Element) -> Result<DMat4> {
+fn matrix(element: &Element, warnings: &mut Warnings) -> Result<DMat4> {
     let place = element.place();
     if let Some(child) = element.children.first() {
         return Err(Fault::new(&child.place(), format!("cannot stand inside of <{}>", element.tag), "move it out"));
@@ -32,9 +32,13 @@ fn matrix(element: &Element) -> Result<DMat4> {
         "rotate" => {
             let axis = coordinates(element, Some(0.0))?;
             let angle = number::float(required(element, "angle")?, &place)?;
-            let Some(axis) = axis.try_normalize() else {
+            if axis == DVec3::ZERO {
                 return Err(Fault::new(&place, "has no axis", "give x, y or z other than zero"));
-            };
+            }
+            if (axis.length() - 1.0).abs() > 1e-4 {
+                let text = "an axis that has not length one makes the transform more than a rotation, as in Mitsuba";
+                warnings.add(&place, text);
+            }
             Ok(rotation(axis, angle.to_radians()))
         }
         "lookat" | "lookAt" => {
@@ -77,7 +81,7 @@ fn matrix(element: &Element) -> Result<DMat4> {
     }
 }
 
-/// Rodrigues' formula, with sine and cosine that are the same on every CPU.
+/// Rodrigues' formula, which turns around axes of length one; with sine and cosine that are the same on every CPU.
 fn rotation(axis: DVec3, angle: f64) -> DMat4 {
     let (sin, cos) = libm::sincos(angle);
     let column = |e: DVec3| cos * e + sin * axis.cross(e) + (1.0 - cos) * axis.dot(e) * axis;

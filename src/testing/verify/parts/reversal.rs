@@ -6,7 +6,7 @@
 //! differ in nothing but what they carry). Refraction between is no exception: Dirac coefficients carry `(η_o/η_i)²`, whose
 //! product over a path that starts and ends outside is one.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::path::{Path, Roulette, Technique, Vertex, VertexKind, WalkRules};
 use crate::sampler::{Random, Tracer, walk_from_sensor};
@@ -100,9 +100,9 @@ fn check(scene: &Scene, exchanged: &Scene, name: &str, roulette: Roulette, effor
         }
         let path = Path::new(std::iter::once((emission.vertex, false)).chain(open.iter().rev().copied()));
         let lamp = exchanged.emitter(EmitterId(0)).sample_emission(exchanged.accel(), [0.5; 5]).vertex;
-        let (window, _) = exchanged.sensor().sample(pixel, [0.5; 4]);
+        let (window, _) = exchanged.sensor().through(DVec2::splat(0.5), [0.5; 2]);
         let to = |vertex: &Vertex| match vertex.kind {
-            VertexKind::Sensor => moved(vertex, scene, exchanged, &lamp),
+            VertexKind::Sensor { .. } => moved(vertex, scene, exchanged, &lamp),
             _ if vertex.emitter().is_some() => moved(vertex, scene, exchanged, &window),
             _ => moved(vertex, scene, exchanged, vertex),
         };

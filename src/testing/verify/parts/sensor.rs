@@ -2,13 +2,14 @@
 
 use std::f64::consts::TAU;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use crate::geometry::Frame;
-use crate::path::Vertex;
+use crate::path::{Vertex, VertexKind};
 use crate::sampler::Random;
-use crate::scene::Scene;
 use crate::scene::sensor::Pixel;
+use crate::scene::{PrimitiveId, Scene};
+use crate::warp;
 
 use super::super::report::Check;
 use super::counting::Claim;
@@ -24,9 +25,29 @@ pub(super) fn check(scene: &Scene, place: &str, n: u32, random: &mut Random) -> 
     let draw = |random: &mut Random| {
         let [u, v] = random.uniform2();
         let pixel = Pixel { x: (u * f64::from(film.width)) as u32, y: (v * f64::from(film.height)) as u32 };
-        sensor.sample(pixel, random.uniform4())
+        sensor.sample(scene, pixel, random)
     };
-    let (centre, forward) = sensor.sample(Pixel { x: film.width / 2, y: film.height / 2 }, [0.0; 4]);
+    // x_k is anywhere on a surface of the scene: what draws it alone is trusted with its place.
+    let anywhere = |random: &mut Random| sensor.sample_position(scene, random);
+    if let Some(on_surface) = anywhere(&mut random.clone()).filter(|xk| xk.primitive() != PrimitiveId::NONE) {
+        let by_area = sensor.density(&on_surface, on_surface.normal).position.value();
+        let claim = Claim {
+            draw: &|random| Some(draw(random)),
+            density: &|(xk, direction): &(Vertex, DVec3)| {
+                let density = sensor.density(xk, *direction);
+                density.position.value() * density.direction.value() / pixels
+            },
+            reference: &|random| (anywhere(random).unwrap_or(on_surface), warp::uniform_sphere(random.uniform2())),
+            reference_density: &|_| by_area / (2.0 * TAU),
+            cell: &|(xk, direction)| {
+                let seen = sensor.importance(xk, *direction).map(|importance| importance.pixel);
+                let side = 4 * usize::from(direction.dot(xk.normal) > 0.7) + 8 * usize::from(xk.normal.y > 0.5);
+                seen.map_or(0, |pixel| 16 + 16 * (pixel.y / 2 * film.width + pixel.x / 2) as usize + side)
+            },
+        };
+        return claim.check("sensor", place, "first edge", n, random);
+    }
+    let (centre, forward) = sensor.through(0.5 * DVec2::new(film.width.into(), film.height.into()), [0.5; 2]);
     let axis = if centre.normal == DVec3::ZERO { forward } else { centre.normal };
     let mut probe = random.clone();
     let (mut reach, mut height) = (0.0_f64, 0.0_f64);
@@ -44,7 +65,7 @@ pub(super) fn check(scene: &Scene, place: &str, n: u32, random: &mut Random) -> 
             if outside || sensor.importance(xk, *direction).is_none() {
                 return 0.0;
             }
-            let density = sensor.density(*direction);
+            let density = sensor.density(xk, *direction);
             density.position.value() * density.direction.value() / pixels
         },
         reference: &|random| {
@@ -54,7 +75,8 @@ pub(super) fn check(scene: &Scene, place: &str, n: u32, random: &mut Random) -> 
             let h = (height * u).min(2.0);
             let (sine, (s, c)) = ((h * (2.0 - h)).max(0.0).sqrt(), libm::sincos(TAU * v));
             let direction = frame.to_world(DVec3::new(sine * c, sine * s, 1.0 - h));
-            (Vertex { position: sensor.position() + offset, ..centre }, direction)
+            let kind = VertexKind::Sensor { zeta: random.uniform(), primitive: PrimitiveId::NONE };
+            (Vertex { position: sensor.position() + offset, kind, ..centre }, direction)
         },
         reference_density: &|_| {
             let position = if reach > 0.0 { 1.0 / (4.0 * reach * reach) } else { 1.0 };

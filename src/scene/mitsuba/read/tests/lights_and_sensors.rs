@@ -4,7 +4,9 @@ use glam::{DVec2, DVec3};
 
 use super::super::{ReadOptions, from_bytes};
 use super::{document, refusal, scene};
-use crate::scene::description::{EnvironmentDescription, FilmSize, LightKind, PixelFilter, Projection};
+use crate::scene::description::{
+    EnvironmentDescription, FilmSize, LightKind, PixelFilter, Projection, ShapeIndex, Target,
+};
 use crate::spectrum::Rgb;
 
 #[test]
@@ -81,6 +83,36 @@ fn cameras_are_chosen_by_id_or_number() {
     let second = choose("1").expect("the second");
     assert_eq!(second.projection, Projection::Orthographic { half_width: 3.0, half_height: 3.0 * 576.0 / 768.0 });
     assert!(choose("c").expect_err("there is none").contains("no sensor is called \"c\""));
+}
+
+#[test]
+fn meters_sit_on_shapes_or_look_from_far_away() {
+    let film = "<film type=\"hdrfilm\"/>";
+    let on_disk = scene(&format!(
+        "<shape type=\"disk\"/><shape type=\"disk\"><sensor type=\"irradiancemeter\">{film}</sensor></shape>"
+    ));
+    let projection = on_disk.sensor.expect("a meter").projection;
+    assert_eq!(projection, Projection::Surface { shape: ShapeIndex::Disk(1) });
+    let distant = |target: &str| {
+        let direction = "<vector name=\"direction\" value=\"0 0 -2\"/>";
+        let sensor = scene(&format!("<sensor type=\"distant\">{direction}{target}{film}</sensor>")).sensor;
+        let sensor = sensor.expect("a sensor");
+        assert_eq!(sensor.forward, -DVec3::Z);
+        match sensor.projection {
+            Projection::Distant { target } => target,
+            other => panic!("{other:?}"),
+        }
+    };
+    assert_eq!(distant(""), Target::Scene);
+    assert_eq!(distant("<point name=\"target\" value=\"1 2 3\"/>"), Target::Point(DVec3::new(1.0, 2.0, 3.0)));
+    let rectangle = "<shape type=\"rectangle\" name=\"target\"><transform name=\"to_world\"><scale value=\"2\"/></transform></shape>";
+    let expected = Target::Parallelogram { centre: DVec3::ZERO, u: DVec3::X * 2.0, v: DVec3::Y * 2.0 };
+    assert_eq!(distant(rectangle), expected);
+    let ray = scene(
+        "<sensor type=\"radiancemeter\"><point name=\"origin\" value=\"1\"/><vector name=\"direction\" value=\"0 3 0\"/></sensor>",
+    );
+    let ray = ray.sensor.expect("a meter");
+    assert_eq!((ray.position, ray.forward, ray.projection), (DVec3::ONE, DVec3::Y, Projection::Ray));
 }
 
 #[test]

@@ -1,0 +1,1 @@
+"""Mitsuba's side of `pathspace parity`: cases, images, values, and the page."""
