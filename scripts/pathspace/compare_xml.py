@@ -45,7 +45,7 @@ def ours(arguments: argparse.Namespace, scene: Path, passes: int) -> Estimate:
     images = []
     definitions = [f"-D{definition}" for definition in arguments.define]
     with tempfile.TemporaryDirectory() as folder:
-        for seed in range(1, passes + 1):
+        for seed in range(arguments.seed, arguments.seed + passes):
             image = Path(folder) / "image.exr"
             command = [arguments.binary, "render", scene, "-o", image, *definitions]
             command += ["-i", arguments.integrator, f"--spp={arguments.spp}", f"--seed={seed}"]
@@ -56,7 +56,7 @@ def ours(arguments: argparse.Namespace, scene: Path, passes: int) -> Estimate:
     return estimate(images)
 
 
-def theirs(arguments: argparse.Namespace, scene: Path, passes: int, first: int = 1) -> Estimate:
+def theirs(arguments: argparse.Namespace, scene: Path, passes: int, first: int) -> Estimate:
     """Independent renders of Mitsuba's `path`, of the file as it is."""
     parameters = dict(definition.split("=", 1) for definition in arguments.define)
     loaded = mi.load_file(str(scene), **parameters)
@@ -104,13 +104,14 @@ def main() -> None:
     parser.add_argument("-D", dest="define", action="append", default=[], metavar="NAME=VALUE")
     parser.add_argument("--spp", type=int, default=64, help="samples per pixel of a pass")
     parser.add_argument("--passes", type=int, default=16, help="passes of each renderer")
+    parser.add_argument("--seed", type=int, default=1, help="of the first pass")
     parser.add_argument("--block", type=int, default=16, help="side of a block in pixels")
     parser.add_argument("--export", action="store_true", help="Mitsuba renders our export too")
     parser.add_argument("--image", type=Path, help="another image, compared by its mean")
     arguments = parser.parse_args()
     mi.set_variant("llvm_ad_rgb" if "llvm_ad_rgb" in mi.variants() else "scalar_rgb")
     mine = ours(arguments, arguments.scene, arguments.passes)
-    original = theirs(arguments, arguments.scene, arguments.passes)
+    original = theirs(arguments, arguments.scene, arguments.passes, arguments.seed)
     agree = compare("ours against Mitsuba", mine, original)
     if arguments.export:
         with tempfile.TemporaryDirectory() as folder:
@@ -118,7 +119,9 @@ def main() -> None:
             command += [f"-D{definition}" for definition in arguments.define]
             subprocess.run(command, check=True, capture_output=True)
             arguments.define = []
-            exported = theirs(arguments, Path(folder) / "scene.xml", arguments.passes, 1001)
+            exported = theirs(
+                arguments, Path(folder) / "scene.xml", arguments.passes, arguments.seed + 1000
+            )
         agree &= compare("export against original, both by Mitsuba", exported, original)
     if arguments.image:
         image = rgb(read_channels(arguments.image))

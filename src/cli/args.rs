@@ -10,6 +10,7 @@ pub(crate) use crate::experiment::manifest::MaxLength;
 use crate::report::Metric;
 use crate::scene::LightSelection;
 use crate::scene::description::{FilmSize, PixelFilter};
+use crate::scene::gltf::MaterialModel;
 use crate::scene::sensor::Pixel;
 use crate::spectrum::Rgb;
 
@@ -41,12 +42,23 @@ pub(crate) struct SceneArgs {
     pub defined: ParameterArgs,
 }
 
-/// Values of a scene's parameters.
+/// What a scene's file leaves open.
 #[derive(Clone, Debug, Default, Args)]
 pub(crate) struct ParameterArgs {
     /// Value of a parameter of a Mitsuba scene, `$NAME` in the file. May be repeated [default: the file's]
     #[arg(short = 'D', value_name = "NAME=VALUE", value_parser = parameter)]
     pub parameters: Vec<(String, String)>,
+
+    /// What glTF's materials become: glTF's own model, or Mitsuba's principled, which can be exported [default: gltf; with Mitsuba
+    /// among the methods principled]
+    #[arg(long, value_name = "MODEL", value_parser = material_model())]
+    pub materials: Option<MaterialModel>,
+}
+
+/// `gltf` or `principled`.
+fn material_model() -> impl TypedValueParser<Value = MaterialModel> {
+    PossibleValuesParser::new(["gltf", "principled"])
+        .map(|text| if text == "principled" { MaterialModel::Principled } else { MaterialModel::Gltf })
 }
 
 /// `NAME=VALUE`.

@@ -39,8 +39,8 @@ pub(super) struct ExportArgs {
 
 pub(super) fn run(args: &ExportArgs) -> anyhow::Result<Outcome> {
     let SceneArgs { film, camera, environment, pixel_filter: filter, defined } = args.take.clone();
-    let parameters = defined.parameters;
-    let options = LoadOptions { camera, film, environment, filter, parameters, ..LoadOptions::default() };
+    let (parameters, materials) = (defined.parameters, defined.materials.unwrap_or_default());
+    let options = LoadOptions { camera, film, environment, filter, parameters, materials, ..LoadOptions::default() };
     let loaded = scene::load(&args.scene, &options)?;
     scene::show(&loaded.notes);
     let options = ExportOptions {

@@ -94,7 +94,8 @@ pub(super) fn run(registry: &Registry, args: &MeasureArgs) -> anyhow::Result<Out
         return Err(usage(format!("--confidence {}: expected a probability between 0 and 1", args.confidence)));
     }
     let parameters = args.defined.parameters.clone();
-    let options = LoadOptions { parameters, ..LoadOptions::default() };
+    let materials = args.defined.materials.unwrap_or_default();
+    let options = LoadOptions { parameters, materials, ..LoadOptions::default() };
     let description = scene::load(&args.scene, &options)?.description;
     let asked = asked(&args.sensors, &description)?;
     let mut measurements = Vec::new();

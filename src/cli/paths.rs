@@ -146,7 +146,8 @@ impl PathsArgs {
 pub(super) fn run(registry: &Registry, args: &PathsArgs) -> anyhow::Result<Outcome> {
     let SceneArgs { film, camera, environment, pixel_filter: filter, defined } = args.take.clone();
     let (light_selection, parameters) = (args.light_selection, defined.parameters);
-    let options = LoadOptions { camera, film, environment, filter, light_selection, parameters };
+    let materials = defined.materials.unwrap_or_default();
+    let options = LoadOptions { camera, film, environment, filter, light_selection, parameters, materials };
     let loaded = scene::load(&args.scene, &options)?;
     let scene = &loaded.scene;
     let method = method::build(registry, args.integrator.as_deref(), args.max_length, scene)?;

@@ -12,6 +12,7 @@ use crate::estimator::{Method, Registry};
 use crate::film::{Film, OutputFormat, RenderInfo, ReplayKey, check_writable, state};
 use crate::scene::LightSelection;
 use crate::scene::description::{FilmSize, PixelFilter};
+use crate::scene::gltf::MaterialModel;
 
 use super::args::{self, MaxLength, SceneArgs};
 use super::layers::{self, LayerArgs};
@@ -114,6 +115,8 @@ struct RunSettings {
     /// Of the scene.
     #[serde(default)]
     parameters: BTreeMap<String, String>,
+    #[serde(default)]
+    materials: MaterialModel,
     /// See [`scene::fingerprint`].
     scene: String,
 }
@@ -184,6 +187,7 @@ pub(super) fn run(registry: &Registry, args: &RenderArgs) -> anyhow::Result<Outc
         camera: camera_of(args, resumed.as_ref()),
         filter: loaded.description.filter,
         parameters: loaded.description.parameters.clone(),
+        materials: materials_of(args, resumed.as_ref()),
         scene: scene::fingerprint(&loaded.description),
     };
     let mut info = RenderInfo {
@@ -236,6 +240,12 @@ fn parameters_of(args: &RenderArgs, resumed: Option<&Resumed>) -> Vec<(String, S
     resumed.into_iter().chain(args.take.defined.parameters.clone()).collect()
 }
 
+/// Those of the image that is gone on with, unless the command line says others.
+fn materials_of(args: &RenderArgs, resumed: Option<&Resumed>) -> MaterialModel {
+    let resumed = resumed.map(|resumed| resumed.settings.materials);
+    args.take.defined.materials.or(resumed).unwrap_or_default()
+}
+
 fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<LoadedScene> {
     let size = resumed.map(|r| FilmSize { width: r.film.width(), height: r.film.height() });
     let options = LoadOptions {
@@ -245,6 +255,7 @@ fn load_scene(args: &RenderArgs, resumed: Option<&Resumed>) -> anyhow::Result<Lo
         filter: args.take.pixel_filter.or(resumed.map(|r| r.settings.filter)),
         light_selection: light_selection_of(args, resumed),
         parameters: parameters_of(args, resumed),
+        materials: materials_of(args, resumed),
     };
     scene::load(&args.scene, &options)
 }

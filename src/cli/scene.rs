@@ -9,7 +9,7 @@ use xxhash_rust::xxh3::Xxh3Default;
 use super::args::EnvironmentChoice;
 use crate::names::did_you_mean;
 use crate::scene::description::{EnvironmentDescription, FilmSize, PixelFilter};
-use crate::scene::gltf;
+use crate::scene::gltf::{self, MaterialModel};
 use crate::scene::mitsuba::read as xml;
 use crate::scene::texture::{self, Bitmap, Filter, Wrap};
 use crate::scene::{LightSelection, Scene, SceneDescription, SceneOptions};
@@ -42,6 +42,8 @@ pub(crate) struct LoadOptions {
     pub light_selection: LightSelection,
     /// Values of the parameters of an XML scene.
     pub parameters: Vec<(String, String)>,
+    /// What glTF's materials become.
+    pub materials: MaterialModel,
 }
 
 /// Reads and builds the scene that the user calls `word`: a file, a folder, or the name of a folder in `scenes/`.
@@ -74,7 +76,7 @@ fn read(file: &Path, options: &LoadOptions) -> anyhow::Result<SceneDescription> 
     if let Some((name, _)) = options.parameters.first() {
         bail!(UsageError(format!("-D {name}: {} is no .xml file and has no parameters", file.display())));
     }
-    Ok(gltf::read_with(file, &gltf::ReadOptions { camera, ..gltf::ReadOptions::default() })?)
+    Ok(gltf::read_with(file, &gltf::ReadOptions { camera, materials: options.materials })?)
 }
 
 fn environment(choice: &EnvironmentChoice) -> anyhow::Result<EnvironmentDescription> {

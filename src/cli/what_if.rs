@@ -62,6 +62,7 @@ pub(super) fn run(registry: &Registry, args: &WhatIfArgs) -> anyhow::Result<Outc
         environment: args.take.environment.clone(),
         filter: args.take.pixel_filter,
         parameters: args.take.defined.parameters.clone(),
+        materials: args.take.defined.materials.unwrap_or_default(),
         ..LoadOptions::default()
     };
     let loaded = scene::load(&args.scene, &options)?;

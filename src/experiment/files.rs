@@ -22,6 +22,7 @@ use crate::film::png::write_png;
 use crate::film::{Image, RenderInfo};
 use crate::report::Reference;
 use crate::scene::SceneDescription;
+use crate::scene::gltf::MaterialModel;
 use crate::scene::mitsuba::{ExportError, ExportOptions, export};
 
 use super::agreement::Pool;
@@ -89,6 +90,12 @@ impl Folder {
     pub fn manifest(&self) -> Result<Option<Manifest>, ExperimentError> {
         let file = self.path.join(MANIFEST);
         if file.exists() { Manifest::read(&file).map(Some) } else { Ok(None) }
+    }
+
+    /// What the experiment in a folder, if there is one, has made of glTF's materials.
+    #[must_use]
+    pub fn materials_in(path: &Path) -> Option<MaterialModel> {
+        Manifest::read(&path.join(MANIFEST)).ok()?.materials
     }
 
     pub(super) fn write_manifest(&self, manifest: &Manifest) -> Result<(), ExperimentError> {

@@ -18,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::names::did_you_mean;
 use crate::report::Metric;
 use crate::scene::LightSelection;
+use crate::scene::gltf::MaterialModel;
 
 use super::budget::Budget;
 use super::entry::StringOr;
@@ -42,6 +43,9 @@ pub struct Manifest {
     /// How one of several emitters is chosen. Mitsuba chooses all alike.
     #[serde(default)]
     pub light_selection: LightSelection,
+    /// What glTF's materials become; where nothing is said, `principled` with Mitsuba among the methods and `gltf` without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub materials: Option<MaterialModel>,
     /// Longest path in edges, where neither scene nor method says one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub max_length: Option<MaxLength>,
@@ -188,6 +192,7 @@ impl Manifest {
             seed: Self::default_seed(),
             threads: 0,
             light_selection: LightSelection::default(),
+            materials: None,
             max_length: None,
             reference: ReferencePolicy::default(),
             metrics: Self::default_metrics(),

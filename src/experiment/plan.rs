@@ -165,6 +165,7 @@ impl Plan {
     #[must_use]
     pub fn recorded(&self, earlier: Option<&Manifest>) -> Manifest {
         let mut manifest = self.manifest.clone();
+        manifest.materials = manifest.materials.or(earlier.and_then(|earlier| earlier.materials));
         let mut record = Record {
             version: env!("CARGO_PKG_VERSION").into(),
             mitsuba: self.mitsuba.clone(),

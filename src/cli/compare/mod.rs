@@ -16,7 +16,8 @@ use crate::experiment::{
     SceneEntry, Subject, collect,
 };
 use crate::report::Metric;
-use crate::scene::description::FilmSize;
+use crate::scene::description::{BsdfDescription, FilmSize, Material};
+use crate::scene::gltf::MaterialModel;
 use crate::scene::{LightSelection, Scene, SceneOptions};
 
 use super::scene::{self, LoadOptions};
@@ -131,7 +132,12 @@ pub(super) fn run(registry: &Registry, args: &CompareArgs) -> anyhow::Result<Out
     interrupt::listen()?;
     let (mut manifest, output) = manifest(args)?;
     let mitsuba = methods(&mut manifest);
+    let asked = manifest.materials;
+    let earlier = if args.force { None } else { Folder::materials_in(&output) };
+    let chosen = materials(asked.or(earlier), mitsuba.is_some() && wants_mitsuba(&manifest));
+    manifest.materials = Some(chosen);
     let subjects = load_all(&manifest)?;
+    tell_materials(asked, &subjects);
     let folder = Folder::open(&output, args.force).map_err(usage)?;
     let earlier = folder.manifest().map_err(usage)?;
     let command = std::env::args().collect::<Vec<_>>().join(" ");
@@ -223,6 +229,7 @@ fn from_file(file: &Path, args: &CompareArgs) -> anyhow::Result<Manifest> {
         ("--light-selection", args.light_selection.is_some()),
         ("--film", args.film.is_some()),
         ("-D", !args.defined.parameters.is_empty()),
+        ("--materials", args.defined.materials.is_some()),
         ("--reference", args.reference.is_some()),
         ("--metrics", !args.metrics.is_empty()),
     ];
@@ -270,6 +277,7 @@ fn from_flags(files: &[PathBuf], args: &CompareArgs) -> anyhow::Result<Manifest>
     manifest.seeds = args.seeds.unwrap_or(manifest.seeds);
     manifest.max_length = args.max_length;
     manifest.light_selection = args.light_selection.unwrap_or_default();
+    manifest.materials = args.defined.materials;
     manifest.reference = args.reference.clone().unwrap_or_default();
     if !args.metrics.is_empty() {
         manifest.metrics.clone_from(&args.metrics);
@@ -322,7 +330,8 @@ fn load_all(manifest: &Manifest) -> anyhow::Result<Vec<Subject>> {
         let camera = entry.camera.clone();
         let light_selection = manifest.light_selection;
         let parameters = entry.parameters.clone().into_iter().collect();
-        let options = LoadOptions { film, camera, light_selection, parameters, ..LoadOptions::default() };
+        let materials = manifest.materials.unwrap_or_default();
+        let options = LoadOptions { film, camera, light_selection, parameters, materials, ..LoadOptions::default() };
         let subject = load(&entry.file, &options)?;
         let is_xml = subject.scene.source().extension().is_some_and(|ending| ending == "xml");
         if is_xml && wants_mitsuba(manifest) {
@@ -332,6 +341,25 @@ fn load_all(manifest: &Manifest) -> anyhow::Result<Vec<Subject>> {
         Ok(subject)
     };
     manifest.scenes.iter().map(|entry| load(entry)).collect()
+}
+
+/// What glTF's materials become: as was asked for, or Mitsuba's model where Mitsuba takes part.
+pub(super) fn materials(asked: Option<MaterialModel>, with_mitsuba: bool) -> MaterialModel {
+    asked.unwrap_or(if with_mitsuba { MaterialModel::Principled } else { MaterialModel::Gltf })
+}
+
+/// Says so where nobody asked for it.
+pub(super) fn tell_materials(asked: Option<MaterialModel>, subjects: &[Subject]) {
+    for subject in subjects.iter().filter(|_| asked.is_none()) {
+        let is_gltf = !subject.scene.source().extension().is_some_and(|ending| ending.eq_ignore_ascii_case("xml"));
+        let turned =
+            |material: &Material| material.bsdf.contains(&|bsdf| matches!(bsdf, BsdfDescription::Principled(_)));
+        if is_gltf && subject.description.materials.iter().any(turned) {
+            let what = "its materials are Mitsuba's principled, so that all methods render the same; --materials gltf \
+                        keeps glTF's own, which Mitsuba does not have";
+            complain("note", &format!("{}: {what}", subject.scene.name()));
+        }
+    }
 }
 
 pub(super) fn load(word: &Path, options: &LoadOptions) -> anyhow::Result<Subject> {

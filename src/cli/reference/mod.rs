@@ -15,7 +15,7 @@ use crate::experiment::{MITSUBA, Manifest, Mitsuba, Plan, SceneEntry, Subject};
 use crate::scene::description::FilmSize;
 
 use super::args::{self, MaxLength, ParameterArgs};
-use super::compare::{load, usage};
+use super::compare::{load, materials, tell_materials, usage};
 use super::scene::LoadOptions;
 use super::{Outcome, UsageError, complain, interrupt};
 use bar::Bar;
@@ -116,12 +116,15 @@ pub(super) fn run(registry: &Registry, args: &ReferenceArgs) -> anyhow::Result<O
         film: args.film,
         camera: args.camera.clone(),
         parameters: args.defined.parameters.clone(),
+        materials: materials(args.defined.materials, method.starts_with(MITSUBA)),
         ..LoadOptions::default()
     };
     let subject = load(&args.scene, &options)?;
+    tell_materials(args.defined.materials, std::slice::from_ref(&subject));
     let mut manifest = Manifest::new(vec![SceneEntry::from(args.scene.display().to_string())], [method]);
     manifest.max_length = args.max_length;
     manifest.threads = args.threads;
+    manifest.materials = Some(options.materials);
     let plan =
         Plan::resolve(manifest, std::slice::from_ref(&subject), registry, None, None, "reference").map_err(usage)?;
     let pool = rayon::ThreadPoolBuilder::new().num_threads(plan.machine.threads).build()?;

@@ -216,6 +216,12 @@ impl BsdfDescription {
         self.nested().iter().for_each(|nested| nested.visit_textures(see));
     }
 
+    /// It or a model that it is made of has the property.
+    #[must_use]
+    pub fn contains(&self, has: &dyn Fn(&Self) -> bool) -> bool {
+        has(self) || self.nested().into_iter().any(|nested| nested.contains(has))
+    }
+
     /// The models that it is made of.
     #[must_use]
     pub fn nested(&self) -> Vec<&Self> {

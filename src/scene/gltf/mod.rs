@@ -9,17 +9,16 @@
 //! - Candela, lux and nit are read as W/sr, W/m² and W/m²/sr, without the factor 683.
 //! - A spot's intensity falls off linearly in the angle from the inner to the outer cone, as in Mitsuba.
 //! - Surfaces that are not `doubleSided` absorb on the back; emission leaves the front only, always.
-//! - Clipping planes of cameras, ranges of lights, texture coordinates, tangents and occlusion are ignored.
+//! - Clipping planes of cameras, ranges of lights, tangents and occlusion are ignored: tangents follow texture coordinates.
 //!
 //! # Materials without extras
-//! One lobe each, with `alpha = roughness²`, smooth below 1e-4:
-//! 1. `metallicFactor ≥ 0.5`: a conductor tinted with the base colour;
-//! 2. otherwise `transmissionFactor ≥ 0.5`: a solid dielectric of KHR_materials_ior (1.5 without it);
-//! 3. otherwise diffuse with the base colour.
+//! glTF's own model ([`bsdf::Gltf`](crate::scene::bsdf::Gltf)) with the layers of its extensions, or Mitsuba's `principled`
+//! ([`MaterialModel`]). A non-metal without a specular layer is Lambert's; an unlit one emits its colour and reflects nothing;
+//! opacity is a mask around the model. Each is read once for every way in which primitives use it: with colours of vertices or
+//! without, with images that lie plainly or mirrored.
 //!
-//! A warning counts the materials that are more than that: a factor strictly between 0 and 1, a metal that is not
-//! white (glTF's turns white at grazing angles), a dielectric that is tinted or thin, a non-metal with a specular layer.
-//! A non-metal of roughness 1 counts as plain diffuse, though glTF gives it a faint specular layer.
+//! A mesh's own texture coordinates are the set that its material's normal map follows, else the first that a texture asks for;
+//! further sets are attributes.
 
 mod accessor;
 mod buffers;

@@ -135,21 +135,21 @@ fn with_to_uv(element: Element, to_uv: &DAffine2) -> Element {
     element.child(Element::new("transform").with("name", "to_uv").child(Element::new("matrix").with("value", value)))
 }
 
-/// One image in place of an expression of one image and constants; `None` where interpolation would not commute with it.
+/// One image in place of an expression of one image and constants; `None` where interpolation would not commute with it: it
+/// does with what is linear, and without interpolation with everything.
 fn baked(texture: &Texture) -> Option<(Bitmap, DAffine2)> {
     let mut found = None;
-    let mut simple = true;
+    let (mut simple, mut linear) = (true, true);
     texture.visit(&mut |part| match part {
         Texture::Bitmap { bitmap, to_uv } if found.is_none() => found = Some((bitmap.clone(), *to_uv)),
         Texture::Bitmap { .. }
         | Texture::Checkerboard { .. }
         | Texture::Attribute { .. }
-        | Texture::OtherCoordinates { .. }
-        | Texture::Step { .. }
-        | Texture::Remapped { squared: true, .. } => simple = false,
+        | Texture::OtherCoordinates { .. } => simple = false,
+        Texture::Step { .. } | Texture::Remapped { squared: true, .. } => linear = false,
         _ => {}
     });
-    let (bitmap, to_uv) = found.filter(|_| simple)?;
+    let (bitmap, to_uv) = found.filter(|(bitmap, _)| simple && (linear || bitmap.filter == Filter::Nearest))?;
     let texels = (0..bitmap.height).flat_map(|y| (0..bitmap.width).map(move |x| (x, y)));
     let texels = texels.map(|(x, y)| of_texel(texture, bitmap.texel(x.into(), y.into())).map(|x| x as f32));
     let texels = Texels::Float(texels.collect());
@@ -168,12 +168,15 @@ fn of_texel(texture: &Texture, texel: [f64; 4]) -> [f64; 4] {
             let value = of_texel(of, texel)[*channel];
             [value, value, value, 1.0]
         }
-        Texture::Remapped { of, scale, offset, .. } => of_texel(of, texel).map(|x| scale * x + offset),
-        // The last four are never asked for: interpolation does not commute with them.
+        Texture::Remapped { of, scale, offset, squared } => of_texel(of, texel).map(|x| {
+            let y = scale * x + offset;
+            if *squared { y * y } else { y }
+        }),
+        Texture::Step { of, threshold } => of_texel(of, texel).map(|x| if x >= *threshold { 1.0 } else { 0.0 }),
+        // The last three are never asked for.
         Texture::Bitmap { .. }
         | Texture::Checkerboard { .. }
         | Texture::Attribute { .. }
-        | Texture::OtherCoordinates { .. }
-        | Texture::Step { .. } => texel,
+        | Texture::OtherCoordinates { .. } => texel,
     }
 }

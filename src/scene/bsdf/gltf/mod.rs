@@ -33,9 +33,9 @@ pub(super) use self::point::check;
 /// base, sheen and a coat. Light from behind is absorbed by what is opaque.
 ///
 /// It is reciprocal (up to `η²`) but for the coat, whose `F_c` is the sensor's alone, and for turned normals. Its albedo may
-/// exceed one, as the specification has it: because s is that of the half vector, what is white and matt reflects up to
-/// 1.33 of light from a grazing angle (1.04 in the mean over the hemisphere), and fine fibres up to 1.41. Metal, a coat
-/// over what is rough, and what transmits all lose energy by single scattering.
+/// exceed one, as the specification has it: because s is that of the half vector, white matter reflects up to 1.93 of light
+/// from a grazing angle where its layer is smooth, and 1.32 at roughness 0.3 (1.042 in the mean over the hemisphere where it
+/// is smooth); fine white fibres reflect up to 1.41. Metal and what transmits all lose energy by single scattering.
 ///
 /// α is at least 1e-4. Drawn from cosine, GGX's visible normals, and a uniform hemisphere for the fibres, by estimates of
 /// their shares from the side of the walk.

@@ -50,10 +50,13 @@ impl<'a> Materials<'a> {
 
     /// Index into `used`.
     pub(super) fn number(&mut self, of: Use, tally: &mut Tally) -> Result<usize, Fault> {
+        let document = self.textures.document;
+        let asks = of.material.is_some_and(|index| slots::has_normal_map(&document.exact.materials[index]));
+        // How images lie matters to normal maps alone.
+        let of = if asks { of } else { Use { handedness: primitive::Handedness::Plain, ..of } };
         if let Some(&number) = self.numbers.get(&of) {
             return Ok(number);
         }
-        let document = self.textures.document;
         let (found, here, name) = match of.material {
             Some(index) => {
                 let found = &document.exact.materials[index];

@@ -106,6 +106,12 @@ pub(super) fn infos(material: &exact::Material) -> (Vec<TextureInfo>, Vec<Textur
     (turning, all)
 }
 
+/// Some layer has a normal map.
+pub(super) fn has_normal_map(material: &exact::Material) -> bool {
+    let coat = material.extensions.get("KHR_materials_clearcoat");
+    material.normal_texture.is_some() || coat.is_some_and(|coat| coat.get("clearcoatNormalTexture").is_some())
+}
+
 /// The set of texture coordinates that a texture uses.
 pub(super) fn set_of(info: &TextureInfo) -> usize {
     Transform::of(info, "").map_or(info.tex_coord, |transform| transform.set)

@@ -8,6 +8,7 @@ mod cameras_and_lights;
 mod extras;
 mod materials;
 mod mutations;
+mod principled;
 mod samples;
 mod textures;
 mod transforms;

@@ -32,7 +32,7 @@ fn png_uri() -> String {
 }
 
 /// A triangle with two sets of texture coordinates and colours, of a material; one texture of one image.
-fn textured(material: Value) -> Value {
+pub(super) fn textured(material: Value) -> Value {
     let mut file = File::default();
     let positions = file.vectors(&TRIANGLE);
     let first = file.vectors(&[[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]);

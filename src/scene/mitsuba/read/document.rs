@@ -20,6 +20,9 @@ use crate::spectrum::Rgb;
 /// Deepest nesting of included files, as in Mitsuba.
 const DEEPEST_INCLUDE: usize = 15;
 
+/// Deepest nesting of objects, those of included files within those that include them.
+const DEEPEST: usize = 128;
+
 /// Most included files in a scene.
 const MOST_INCLUDES: usize = 1000;
 
@@ -32,6 +35,7 @@ pub(super) struct Document {
     pub warnings: Warnings,
     ids: HashMap<String, usize>,
     includes: usize,
+    nesting: usize,
 }
 
 impl Document {
@@ -45,6 +49,7 @@ impl Document {
             warnings: Warnings::default(),
             ids: HashMap::new(),
             includes: 0,
+            nesting: 0,
         };
         let file: Arc<Path> = path.into();
         let mut root = tree::parse(bytes, &file)?;
@@ -81,7 +86,14 @@ impl Document {
     }
 
     fn children(&mut self, element: Element, parent: usize, old: bool, depth: usize) -> Result<()> {
-        element.children.into_iter().try_for_each(|child| self.element(child, parent, old, depth))
+        self.nesting += 1;
+        if self.nesting > DEEPEST {
+            let problem = format!("objects are nested more than {DEEPEST} deep");
+            return Err(Fault::new(&element.place(), problem, "flatten the scene"));
+        }
+        element.children.into_iter().try_for_each(|child| self.element(child, parent, old, depth))?;
+        self.nesting -= 1;
+        Ok(())
     }
 
     fn element(&mut self, mut element: Element, parent: usize, old: bool, depth: usize) -> Result<()> {

@@ -147,7 +147,7 @@ impl Reader<'_> {
                 ShapeIndex::Mesh(self.scene.meshes.len() - 1)
             }
             Form::Sphere { to_world, inward } => {
-                let m = by * to_world;
+                let m = self.finite(by * to_world, index)?;
                 let radius = m.x_axis.length();
                 let axes = DMat3::from_mat4(m) * (1.0 / radius);
                 let off = axes.transpose() * axes - DMat3::IDENTITY;
@@ -161,11 +161,16 @@ impl Reader<'_> {
                 ShapeIndex::Sphere(self.scene.spheres.len() - 1)
             }
             Form::Disk { to_world, flip } => {
-                self.scene.disks.push(Disk::transformed(name, &DAffine3::from_mat4(by * to_world), flip, material));
+                self.scene.disks.push(Disk::transformed(
+                    name,
+                    &DAffine3::from_mat4(self.finite(by * to_world, index)?),
+                    flip,
+                    material,
+                ));
                 ShapeIndex::Disk(self.scene.disks.len() - 1)
             }
             Form::Cylinder { to_world, inward } => {
-                let m = by * to_world;
+                let m = self.finite(by * to_world, index)?;
                 let [x, y, axis] = [m.x_axis, m.y_axis, m.z_axis].map(glam::DVec4::truncate);
                 let radius = x.length();
                 let length = axis.length();
@@ -180,6 +185,15 @@ impl Reader<'_> {
                 ShapeIndex::Cylinder(self.scene.cylinders.len() - 1)
             }
         })
+    }
+
+    /// The matrix, unless numbers are beyond what can be told apart.
+    fn finite(&self, matrix: DMat4, index: usize) -> Result<DMat4> {
+        if matrix.is_finite() && matrix.determinant().is_normal() {
+            return Ok(matrix);
+        }
+        let problem = "is too large or too small for its transform and size";
+        Err(Fault::new(&self.document.nodes[index].place, problem, "use numbers around one"))
     }
 
     /// The shapes of a group.
@@ -214,10 +228,11 @@ impl Reader<'_> {
             _ => return Err(props.wrong("does not hold one shapegroup", "put a <ref> to one into it")),
         };
         let parts = self.group(group)?;
-        let triangles: usize = parts.iter().map(Part::triangles).sum();
-        self.instanced = self.instanced.saturating_add(triangles.max(parts.len()));
+        let size: usize = parts.iter().map(Part::size).sum();
+        self.instanced = self.instanced.saturating_add(size);
         if self.instanced > MOST_INSTANCED {
-            let problem = format!("instances are copies here, and they make more than {MOST_INSTANCED} triangles");
+            let problem =
+                format!("instances are copies here, and they make more than {MOST_INSTANCED} triangles or vertices");
             return Err(props.wrong(problem, "use fewer instances"));
         }
         let name = self.name_of(index);
@@ -230,9 +245,10 @@ impl Reader<'_> {
 }
 
 impl Part {
-    fn triangles(&self) -> usize {
+    /// Triangles, or vertices where these are more.
+    fn size(&self) -> usize {
         match &self.form {
-            Form::Mesh(local) => local.triangles.len(),
+            Form::Mesh(local) => local.triangles.len().max(local.positions.len()),
             _ => 1,
         }
     }

@@ -237,6 +237,9 @@ pub(super) fn constant(property: &Property, role: Role) -> Result<Rgb> {
 }
 
 fn check(property: &Property, value: Rgb, role: Role) -> Result<()> {
+    if !value.is_finite() {
+        return Err(Fault::new(&property.place, "is not finite", "use smaller numbers"));
+    }
     if role == Role::Share && !value.to_array().iter().all(|x| (0.0..=1.0).contains(x)) {
         let problem = format!("is {:?}, but a share of light lies between 0 and 1", value.to_array());
         return Err(Fault::new(&property.place, problem, "correct it"));

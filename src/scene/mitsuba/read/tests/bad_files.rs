@@ -72,6 +72,12 @@ fn transforms_and_colours() {
         (transform("<translate x=\"1\"><scale/></translate>"), "cannot stand inside of <translate>"),
         (transform("<scale x=\"0\"/>"), "makes the shape flat"),
         (transform("<scale value=\"1e200\"/><scale value=\"1e200\"/>"), "not finite"),
+        (
+            transform("<scale value=\"1e100\"/>")
+                .replace("</shape>", "<float name=\"radius\" value=\"1e100\"/></shape>"),
+            "too large",
+        ),
+        (colour("<blackbody name=\"reflectance\" temperature=\"1e308\"/>"), "is not finite"),
         (transform("<matrix value=\"1 0 0 0 0 1 0 0 0 0 1 0 0 0 1 1\"/>"), "no affine transform"),
         (colour("<rgb name=\"reflectance\" value=\"#12345\"/>"), "is no colour"),
         (colour("<rgb name=\"reflectance\" value=\"1 2\"/>"), "has 2 numbers"),
