@@ -49,7 +49,7 @@ fn peak() -> f64 {
     line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok()).map_or(f64::NAN, |kib: f64| kib / 1024.0)
 }
 
-/// Time of a ray from surface to surface: for the nearest hit, and for whether a segment is free \[ns\].
+/// CPU time of a ray from surface to surface: for the nearest hit, and for whether a segment is free \[ns\].
 fn rays(accel: &Accel) -> [f64; 2] {
     let mut random = Random::new(1, 0, 0);
     let extent = accel.triangles().map(|(_, t)| t.corners()[0].length()).fold(0.0, f64::max);
@@ -67,12 +67,12 @@ fn rays(accel: &Accel) -> [f64; 2] {
     }
     let mut best = [f64::INFINITY; 2];
     for _ in 0..REPETITIONS {
-        let start = Instant::now();
+        let start = ProcessTime::now();
         for (ray, primitive) in &starts {
             black_box(accel.closest(ray, *primitive));
         }
         best[0] = best[0].min(start.elapsed().as_nanos() as f64 / RAYS as f64);
-        let start = Instant::now();
+        let start = ProcessTime::now();
         for pair in starts.windows(2) {
             black_box(accel.occluded(pair[0].0.origin, pair[0].1, pair[1].0.origin, pair[1].1));
         }

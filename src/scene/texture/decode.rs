@@ -29,7 +29,9 @@ pub enum ImageError {
         cause: String,
     },
     /// Its content is no image.
-    #[error("{name} is no image that can be read ({cause}): PNG, JPEG, HDR and EXR are, up to 32768 pixels a side and 2²⁷ in all")]
+    #[error(
+        "{name} is no image that can be read ({cause}): PNG, JPEG, HDR and EXR are, up to 32768 pixels a side and 2²⁷ in all"
+    )]
     Broken {
         /// The file, or its place in another.
         name: String,
