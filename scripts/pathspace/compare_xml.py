@@ -3,19 +3,20 @@
     PYTHONPATH=scripts .venv/bin/python -m pathspace.compare_xml SCENE.xml -D integrator=path
 
 Blocks of pixels are compared by z = (ours - theirs) / sqrt(variances), where each renderer's own
-independent passes give the variance. A block differs where |z| is beyond the quantile of 0.1 %
-for all blocks and channels together (Bonferroni). The root mean square of z shows whether tails
-of unlikely paths make it wider than normal.
+independent passes give the variance. A block differs where |z| is beyond the quantile of Student's
+t of 0.1 % for all blocks and channels together (Bonferroni), with the degrees of freedom of one
+renderer alone, as if the other had no noise. The root mean square of z shows whether tails of
+unlikely paths make it wider than normal.
 """
 
 from __future__ import annotations
 
 import argparse
+import math
 import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
-from statistics import NormalDist
 
 import mitsuba as mi
 import numpy as np
@@ -31,6 +32,7 @@ class Estimate:
 
     blocks: Image
     variances: Image
+    passes: int
 
 
 def into_blocks(image: Image, block: int) -> Image:
@@ -70,7 +72,29 @@ def theirs(arguments: argparse.Namespace, scene: Path, passes: int, first: int) 
 def estimate(images: list[Image]) -> Estimate:
     """Mean and its variance from independent images."""
     stack = np.stack(images)
-    return Estimate(stack.mean(axis=0), stack.var(axis=0, ddof=1) / len(images))
+    return Estimate(stack.mean(axis=0), stack.var(axis=0, ddof=1) / len(images), len(images))
+
+
+def student(significance: float, freedom: int) -> float:
+    """The t beyond which lies this share of both tails; odd degrees of freedom count one less.
+
+    Abramowitz and Stegun, 26.7.4.
+    """
+    freedom = max(2, freedom // 2 * 2)
+
+    def inside(t: float) -> float:
+        angle = math.atan(t / math.sqrt(freedom))
+        term = total = 1.0
+        for i in range(1, freedom // 2):
+            term *= (2 * i - 1) / (2 * i) * math.cos(angle) ** 2
+            total += term
+        return math.sin(angle) * total
+
+    low, high = 0.0, 1e6
+    for _ in range(200):
+        middle = (low + high) / 2
+        low, high = (middle, high) if 1 - inside(middle) > significance else (low, middle)
+    return high
 
 
 def compare(name: str, a: Estimate, b: Estimate) -> bool:
@@ -78,7 +102,7 @@ def compare(name: str, a: Estimate, b: Estimate) -> bool:
     variances = a.variances + b.variances
     lit = variances > 0
     z = (a.blocks - b.blocks)[lit] / np.sqrt(variances[lit])
-    limit = NormalDist().inv_cdf(1 - SIGNIFICANCE / (2 * max(z.size, 1)))
+    limit = student(SIGNIFICANCE / max(z.size, 1), min(a.passes, b.passes) - 1)
     total, other = a.blocks.sum(), b.blocks.sum()
     error = np.sqrt(variances.sum()) / other
     worst = float(np.abs(z).max()) if z.size else 0.0

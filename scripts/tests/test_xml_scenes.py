@@ -2,6 +2,7 @@
 
 import os
 import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -136,6 +137,8 @@ SENSORS = [
     "</sensor>",
 ]  # fmt: skip
 
+SHARED = ROOT.parent / "shared" / "scenes" / "mitsuba"
+
 RANDOM = np.random.default_rng(7)
 
 
@@ -245,3 +248,21 @@ def test_cameras_look_where_they_did(tmp_path: Path, sensor: str) -> None:
         near(x.d, y.d)
         # Where a camera's rays begin depends on its clipping planes, but not their line.
         near(np.cross(np.array(x.o) - np.array(y.o), np.array(x.d)), np.zeros(3), 1e-3)
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason=f"there is no {SHARED}")
+@pytest.mark.parametrize("name", ["cornell-box", "veach-mis", "veach-bidir"])
+def test_scenes_of_others_look_as_in_mitsuba(name: str) -> None:
+    size = {"resx": 32, "resy": 18 if name == "veach-mis" else 32}
+    command = [sys.executable, "-m", "pathspace.compare_xml", "--export", "--block", "6"]
+    command += [str(SHARED / f"bitterli-{name}" / "scene.xml"), f"--binary={PROGRAM}"]
+    command += ["-Dintegrator=path", *(f"-D{key}={value}" for key, value in size.items())]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT / "scripts")}
+    done = subprocess.run(
+        [*command, "--spp=32", "--passes=17"],
+        capture_output=True,
+        text=True,
+        check=False,
+        env=environment,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr

@@ -52,7 +52,8 @@ def images(folder: Path) -> None:
         str(folder / "normals.png")
     )
     waves = (0.5 + 0.3 * np.sin(u) * np.cos(v)).astype(np.float32)[..., None]
-    mi.Bitmap(waves).write(str(folder / "waves.exr"))
+    mi.Bitmap(waves).write(str(folder / "grey.exr"))
+    mi.Bitmap(np.repeat(waves, 3, axis=-1)).write(str(folder / "waves.exr"))
     y, x = np.mgrid[0:16, 0:32]
     sky = 0.3 + 4 * np.exp(-((x - 20) ** 2 + (y - 5) ** 2) / 8)
     sky = np.stack([sky, 0.2 + y / 20, 0.2 + x / 40], -1).astype(np.float32)

@@ -154,10 +154,26 @@ def normals() -> list[tuple[str, str]]:
     ]
 
 
+OWN_LAWS = {
+    "plastic-textured": "by the colour of the point, in Mitsuba by the mean of the texture",
+    "roughplastic-textured": "by the colour of the point, in Mitsuba by the mean of the texture",
+    "bumpmap": "a mixture of both turns of the normal",
+    "bumpmap-rough": "a mixture of both turns of the normal",
+    "normalmap": "a mixture of both turns of the normal",
+    "normalmap-rough": "a mixture of both turns of the normal",
+}
+"""Where we draw directions in another way than Mitsuba, and why."""
+
+
 def cases() -> list[Case]:
     """List the cases of this module."""
-    boxes = [Case(f"bsdf/{name}", on(BOX, text)) for name, text in opaque()]
-    flat = [Case(f"bsdf/{name}", on(PANEL, text)) for name, text in panels() + normals()]
+
+    def case(name: str, shape: str, text: str) -> Case:
+        return Case(f"bsdf/{name}", on(shape, text), pdf=OWN_LAWS.get(name, "same"))
+
     ball = [("roughconductor", METAL), ("dielectric", bsdf("dielectric")), ("diffuse", DIFFUSE)]
-    round_ = [Case(f"bsdf/{name}-ball", on(BALL, text)) for name, text in ball]
-    return boxes + flat + round_
+    return [
+        *[case(name, BOX, text) for name, text in opaque()],
+        *[case(name, PANEL, text) for name, text in panels() + normals()],
+        *[case(f"{name}-ball", BALL, text) for name, text in ball],
+    ]

@@ -16,6 +16,7 @@ def textures() -> list[Case]:
         "bitmap-raw": BITMAP.format("colours.png", '<boolean name="raw" value="true"/>'),
         "bitmap-jpeg": BITMAP.format("colours.jpg", ""),
         "bitmap-exr": BITMAP.format("colours.exr", ""),
+        "bitmap-exr-grey": BITMAP.format("grey.exr", ""),
         "bitmap-hdr": BITMAP.format("colours.hdr", ""),
         "bitmap-grey": BITMAP.format("greys.png", ""),
         "bitmap-nearest": BITMAP.format(
@@ -86,7 +87,12 @@ def emitters() -> list[Case]:
         '<float name="fov" value="35"/><float name="scale" value="30"/></emitter>',
     }
     box = BOX.replace("%BSDF%", DIFFUSE)
-    return [Case(f"emitter/{name}", CAMERA + FLOOR + box + text) for name, text in inside.items()]
+    # A textured lamp is drawn by brightness here, by area in Mitsuba.
+    own = {"area-textured": "by brightness", "envmap": "exactly by luminance"}
+    return [
+        Case(f"emitter/{name}", CAMERA + FLOOR + box + text, pdf=own.get(name, "same"))
+        for name, text in inside.items()
+    ]
 
 
 def sensors() -> list[Case]:

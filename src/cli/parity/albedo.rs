@@ -36,11 +36,9 @@ pub(super) struct Albedos {
     errors: Vec<f64>,
 }
 
-/// Relative difference that single precision makes.
-const TOLERANCE: f64 = 1e-5;
-
 impl Albedos {
-    pub(super) fn add(&mut self, scene: &Scene, vertex: &Vertex, albedo: &Albedo, seed: u64) {
+    /// `rounding` is the relative difference that single precision may make.
+    pub(super) fn add(&mut self, scene: &Scene, vertex: &Vertex, albedo: &Albedo, rounding: f64, seed: u64) {
         let mut random = Random::new(seed, 1, u64::from(self.tests));
         let (mut sum, mut squares) = ([0.0; 3], [0.0; 3]);
         for _ in 0..SAMPLES {
@@ -58,7 +56,7 @@ impl Albedos {
             let difference = mean - albedo.mean[c];
             let scale = 0.5 * (mean + albedo.mean[c]);
             let error = (variance + albedo.error[c] * albedo.error[c]).sqrt();
-            let z = (difference.abs() - TOLERANCE * scale).max(0.0) / error.max(f64::MIN_POSITIVE);
+            let z = (difference.abs() - rounding * scale).max(0.0) / error.max(f64::MIN_POSITIVE);
             self.tests += 1;
             if scale > 0.0 {
                 self.errors.push(error / scale);
@@ -83,7 +81,7 @@ impl Albedos {
         let verdict = if self.largest <= limit { Verdict::Agree } else { Verdict::Differ };
         let detectable = (limit + Normal::standard().inverse_cdf(POWER)) * median;
         let details =
-            format!("{} albedos; furthest, at {:.1} standard errors: {}", self.tests, self.largest, self.what);
+            format!("{} albedos; furthest, at {:.1} standard errors: {}", self.tests, self.largest.min(1e6), self.what);
         Some(ParityRow {
             difference: Some(self.difference),
             interval: Some(1.96 * self.error),

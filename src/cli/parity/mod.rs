@@ -156,7 +156,11 @@ fn take(
             if interrupt::requested() {
                 return Ok(());
             }
-            rows.extend(compare(registry, args, case, cases.len())?);
+            match compare(registry, args, case, cases.len()) {
+                // What is not finished says nothing.
+                Err(_) if interrupt::requested() => return Ok(()),
+                made => rows.extend(made?),
+            }
         }
         Event::Failed { case, why } => rows.push(ParityRow::missing(case, &format!("Mitsuba: {why}"))),
         Event::Ended => {}

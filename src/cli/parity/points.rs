@@ -114,9 +114,11 @@ pub(super) fn compare(
         [Worst::new("hits"), Worst::new("eval"), Worst::new("pdf"), Worst::new("dirac"), Worst::new("dirac-pdf")];
     let mut albedos = Albedos::default();
     for point in &points.surfaces {
-        surface(scene, case, point, &mut comparisons);
-        if let Some(vertex) = scene.trace(&start(scene, point.origin), point.direction) {
-            point.albedos.iter().for_each(|albedo| albedos.add(scene, &vertex, albedo, args.seed));
+        let rounding = surface(scene, case, point, &mut comparisons);
+        // Under leaning normals some directions are black here, and not in Mitsuba.
+        let vertex = scene.trace(&start(scene, point.origin), point.direction);
+        if let Some(vertex) = vertex.filter(|vertex| vertex.normal.dot(vertex.shading_normal) > 1.0 - 1e-9) {
+            point.albedos.iter().for_each(|albedo| albedos.add(scene, &vertex, albedo, rounding, args.seed));
         }
     }
     let mut others = [Worst::new("radiance"), Worst::new("light"), Worst::new("light-pdf"), Worst::new("rays")];
@@ -149,7 +151,9 @@ pub(super) fn compare(
     Ok(rows.chain(albedos.row(case, cases)).collect())
 }
 
-fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [Worst; 5]) {
+/// Compares all of a point; returns the largest bound by the largest value, what rounding may do to an albedo.
+fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [Worst; 5]) -> f64 {
+    let mut relative = ARITHMETIC;
     let [hits, eval, pdf, dirac, dirac_pdf] = comparisons;
     let hit = |direction: DVec3| scene.trace(&start(scene, point.origin), direction);
     let position =
@@ -158,17 +162,22 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
     let rounding = ARITHMETIC * (point.origin.length() + 1.0);
     let what = || format!("from {} along {}", point.origin, point.direction);
     hits.add(&position, &ray, &point.position.to_array(), rounding, what);
-    let rounding = (ARITHMETIC + case.table) * largest(point.pairs.iter().map(|pair| &pair.value));
+    let brightest = largest(point.pairs.iter().map(|pair| &pair.value));
+    let rounding = (ARITHMETIC + case.table) * brightest;
     let of_density = largest(point.pairs.iter().map(|pair| std::slice::from_ref(&pair.pdf)));
-    for pair in &point.pairs {
+    let surface = hit(point.direction);
+    let taken = |pair: &&Pair| surface.is_none_or(|vertex| sides_agree(&vertex, pair));
+    for pair in point.pairs.iter().filter(taken) {
         let inputs = inputs(point.direction, pair);
         let what = || format!("at {} from {} to {}", point.position, pair.from, pair.to);
         let value = |x: &[f64]| {
             let [direction, from, to] = vectors(x);
             hit(direction).map_or([f64::NAN; 3], |v| (scene.scatter(&v, to, from) * v.abs_cos(to)).to_array())
         };
-        eval.add(&value, &inputs, &pair.value, rounding, what);
-        if case.same_densities() {
+        let bound = eval.add(&value, &inputs, &pair.value, rounding, what);
+        relative = relative.max(bound / brightest.max(f64::MIN_POSITIVE));
+        // Mitsuba's models may draw what they do not scatter.
+        if case.same_densities() && pair.value != [0.0; 3] {
             let density = |x: &[f64]| {
                 let [direction, from, to] = vectors(x);
                 [hit(direction).map_or(f64::NAN, |v| scene.scatter_density(&v, from, to).value())]
@@ -176,14 +185,15 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
             pdf.add(&density, &inputs, &[pair.pdf], ARITHMETIC * of_density + case.fit * pair.pdf, what);
         }
     }
-    for pair in &point.dirac {
+    for pair in point.dirac.iter().filter(taken) {
         let inputs = inputs(point.direction, pair);
         let what = || format!("at {} from {} to {}", point.position, pair.from, pair.to);
         let value = |x: &[f64]| {
             let [direction, from, to] = vectors(x);
             hit(direction).map_or([f64::NAN; 3], |v| scene.scatter_dirac(&v, to, from).to_array())
         };
-        dirac.add(&value, &inputs, &pair.value, ARITHMETIC, what);
+        let bound = dirac.add(&value, &inputs, &pair.value, ARITHMETIC, what);
+        relative = relative.max(bound / largest(std::iter::once(&pair.value)).max(ARITHMETIC));
         if case.same_densities() {
             let density = |x: &[f64]| {
                 let [direction, from, to] = vectors(x);
@@ -192,6 +202,13 @@ fn surface(scene: &Scene, case: &Case, point: &SurfacePoint, comparisons: &mut [
             dirac_pdf.add(&density, &inputs, &[pair.pdf], ARITHMETIC, what);
         }
     }
+    relative
+}
+
+/// Shading and geometric normal have each direction on the same side; where they do not, surfaces are black here, and not in
+/// Mitsuba.
+fn sides_agree(vertex: &Vertex, pair: &Pair) -> bool {
+    [pair.from, pair.to].iter().all(|way| way.dot(vertex.normal) * way.dot(vertex.shading_normal) > 0.0)
 }
 
 fn largest<'a>(values: impl Iterator<Item = &'a (impl AsRef<[f64]> + ?Sized + 'a)>) -> f64 {
@@ -290,7 +307,7 @@ impl Worst {
         Self { name, ratio: -1.0, error: 0.0, bound: 0.0, values: 0, beyond: 0, what: String::new() }
     }
 
-    /// Compares `ours` at `inputs` with `theirs`, which arithmetic may have taken `arithmetic` away.
+    /// Compares `ours` at `inputs` with `theirs`, which arithmetic may have taken `arithmetic` away; returns the largest bound.
     fn add<const N: usize>(
         &mut self,
         ours: &dyn Fn(&[f64]) -> [f64; N],
@@ -298,7 +315,7 @@ impl Worst {
         theirs: &[f64; N],
         arithmetic: f64,
         what: impl Fn() -> String,
-    ) {
+    ) -> f64 {
         let value = ours(inputs);
         let mut bounds = [arithmetic; N];
         let mut moved = inputs.to_vec();
@@ -327,6 +344,7 @@ impl Worst {
                 (self.ratio, self.error, self.bound, self.what) = (ratio, error / scale, bound / scale, what);
             }
         }
+        bounds.into_iter().fold(0.0, f64::max)
     }
 
     fn row(self, case: &Case) -> ParityRow {

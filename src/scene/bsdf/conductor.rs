@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::microfacet::Microfacets;
+use super::microfacet::{Distribution, Microfacets, of_either};
 use super::{BsdfModel, BsdfSample, LobeDensity, Side, fresnel};
 use crate::measure::{Density, ProjectedSolidAngle, SolidAngle};
 use crate::scene::description::ConductorFresnel;
@@ -67,43 +67,56 @@ pub struct RoughConductor {
     pub reflectance: Rgb,
 }
 
+/// `(D(h)/4, i·h)`, `None` where nothing is reflected.
+#[inline(always)]
+fn half_vector(distribution: &impl Distribution, a: DVec3, b: DVec3) -> Option<(f64, f64)> {
+    if !(a.z > 0.0 && b.z > 0.0) {
+        return None;
+    }
+    let sum = a + b;
+    let length = sum.length();
+    // |a + b| = 2 a·h for unit vectors. Below the threshold the squares in D would underflow.
+    (length > 1e-30).then(|| (0.25 * distribution.distribution(sum / length), 0.5 * length))
+}
+
 impl RoughConductor {
-    /// `(D(h)/4, i·h)`, `None` where nothing is reflected.
-    fn half_vector(&self, a: DVec3, b: DVec3) -> Option<(f64, f64)> {
-        if !(a.z > 0.0 && b.z > 0.0) {
-            return None;
-        }
-        let sum = a + b;
-        let length = sum.length();
-        // |a + b| = 2 a·h for unit vectors. Below the threshold the squares in D would underflow.
-        (length > 1e-30).then(|| (0.25 * self.distribution.distribution(sum / length), 0.5 * length))
+    #[inline(always)]
+    fn eval_by(&self, distribution: &impl Distribution, a: DVec3, b: DVec3) -> Rgb {
+        let Some((d, cos)) = half_vector(distribution, a, b) else { return Rgb::BLACK };
+        let g = distribution.shadowing_over_cos(a) * distribution.shadowing_over_cos(b);
+        fresnel::conductor(&self.fresnel, cos) * self.reflectance * (d * g)
+    }
+
+    #[inline(always)]
+    fn sample_by(&self, distribution: &impl Distribution, from: DVec3, u: [f64; 2]) -> Option<BsdfSample> {
+        let m = distribution.sample_visible(from, u);
+        let to = m * (2.0 * from.dot(m)) - from;
+        let (d, cos) = half_vector(distribution, from, to)?;
+        let (g_from, g_to) = (distribution.shadowing_over_cos(from), distribution.shadowing_over_cos(to));
+        let density = d * distribution.visibility_over_cos(from);
+        let value = fresnel::conductor(&self.fresnel, cos) * self.reflectance * (d * (g_from * g_to));
+        (density > 0.0).then_some(BsdfSample { to, density: LobeDensity::Finite(Density::new(density)), value })
     }
 }
 
 impl BsdfModel for RoughConductor {
     fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
-        let Some((d, cos)) = self.half_vector(to_emitter, to_sensor) else { return Rgb::BLACK };
-        let g = self.distribution.shadowing_over_cos(to_emitter) * self.distribution.shadowing_over_cos(to_sensor);
-        fresnel::conductor(&self.fresnel, cos) * self.reflectance * (d * g)
+        of_either!(&self.distribution, distribution => self.eval_by(distribution, to_emitter, to_sensor))
     }
 
     /// `p_σ = D_v(h) / (4 i·h) = G₁(from) D(h) / (4 cos θ_from)` \[1/sr\].
     fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
-        let Some((d, _)) = self.half_vector(from, to) else { return Density::ZERO };
-        Density::new(d * self.distribution.visibility_over_cos(from))
+        of_either!(&self.distribution, distribution => match half_vector(distribution, from, to) {
+            Some((d, _)) => Density::new(d * distribution.visibility_over_cos(from)),
+            None => Density::ZERO,
+        })
     }
 
     fn sample(&self, _side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         if from.z <= 0.0 {
             return None;
         }
-        let m = self.distribution.sample_visible(from, [u[0], u[1]]);
-        let to = m * (2.0 * from.dot(m)) - from;
-        let (d, cos) = self.half_vector(from, to)?;
-        let (g_from, g_to) = (self.distribution.shadowing_over_cos(from), self.distribution.shadowing_over_cos(to));
-        let density = d * self.distribution.visibility_over_cos(from);
-        let value = fresnel::conductor(&self.fresnel, cos) * self.reflectance * (d * (g_from * g_to));
-        (density > 0.0).then_some(BsdfSample { to, density: LobeDensity::Finite(Density::new(density)), value })
+        of_either!(&self.distribution, distribution => self.sample_by(distribution, from, [u[0], u[1]]))
     }
 
     fn is_anisotropic(&self) -> bool {

@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::dielectric::Tints;
 use super::fresnel::Interface;
-use super::microfacet::Microfacets;
+use super::microfacet::{Distribution, Microfacets, of_either};
 use super::{BsdfModel, BsdfSample, LobeDensity, Side};
 use crate::measure::{Density, SolidAngle};
 use crate::spectrum::Rgb;
@@ -31,8 +31,8 @@ pub struct RoughDielectric {
 
 impl RoughDielectric {
     /// What value and density share: `F D / 4` or `|a·h| |b·h| (1 − F) D / ‖η_a a + η_b b‖²`, symmetric in a and b.
-    #[inline]
-    fn core(&self, a: DVec3, b: DVec3) -> f64 {
+    #[inline(always)]
+    fn core(&self, distribution: &impl Distribution, a: DVec3, b: DVec3) -> f64 {
         let across = a.z * b.z;
         if across > 0.0 {
             let sum = a + b;
@@ -43,7 +43,7 @@ impl RoughDielectric {
             let h = sum / length.copysign(sum.z);
             // a·h = |a + b| / 2 for unit vectors.
             let f = self.interface.fresnel((0.5 * length).copysign(a.z)).reflected;
-            0.25 * f * self.distribution.distribution(h)
+            0.25 * f * distribution.distribution(h)
         } else if across < 0.0 {
             let inside = if a.z < 0.0 { a } else { b };
             // η_a a + η_b b as a difference of directions, so that little cancels where the indices are alike.
@@ -59,7 +59,7 @@ impl RoughDielectric {
                 return 0.0;
             }
             let t = self.interface.transmittance(ah, bh);
-            t * self.distribution.distribution(h) * ((ah * bh).abs() / (length * length))
+            t * distribution.distribution(h) * ((ah * bh).abs() / (length * length))
         } else {
             0.0
         }
@@ -74,28 +74,18 @@ impl RoughDielectric {
         let index = self.interface.index(v.z);
         index * index
     }
-}
 
-impl BsdfModel for RoughDielectric {
-    fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
-        let g = self.distribution.shadowing_over_cos(to_emitter) * self.distribution.shadowing_over_cos(to_sensor);
-        self.tints.of(to_emitter, to_sensor)
-            * (self.core(to_emitter, to_sensor) * self.index_squared(to_sensor, to_emitter) * g)
+    #[inline(always)]
+    fn eval_by(&self, distribution: &impl Distribution, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+        let g = distribution.shadowing_over_cos(to_emitter) * distribution.shadowing_over_cos(to_sensor);
+        let core = self.core(distribution, to_emitter, to_sensor);
+        self.tints.of(to_emitter, to_sensor) * (core * self.index_squared(to_sensor, to_emitter) * g)
     }
 
-    /// `p_σ = P D_v(h) dσ_h/dσ_to`, with P = F and `dσ_h/dσ_to = 1 / (4 |to·h|)` for reflection, P = 1 − F and
-    /// `η_to² |to·h| / ‖η_i i + η_o o‖²` for refraction \[1/sr\].
-    fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
-        let scale = self.index_squared(to, from) * self.distribution.visibility_over_cos(from);
-        Density::new(self.core(from, to) * scale)
-    }
-
-    fn sample(&self, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
-        if from.z == 0.0 {
-            return None;
-        }
+    #[inline(always)]
+    fn sample_by(&self, distribution: &impl Distribution, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
         let upright = if from.z > 0.0 { from } else { -from };
-        let m = self.distribution.sample_visible(upright, [u[0], u[1]]);
+        let m = distribution.sample_visible(upright, [u[0], u[1]]);
         let cos = from.dot(m);
         let reflects = u[2] < self.interface.fresnel(cos).reflected;
         let to = if reflects { m * (2.0 * cos) - from } else { self.interface.refract(from, m, cos)? };
@@ -103,12 +93,34 @@ impl BsdfModel for RoughDielectric {
         if (to.z * from.z > 0.0) != reflects {
             return None;
         }
-        let core = self.core(from, to);
-        let (g_from, g_to) = (self.distribution.shadowing_over_cos(from), self.distribution.shadowing_over_cos(to));
-        let density = core * (self.index_squared(to, from) * self.distribution.visibility_over_cos(from));
+        let core = self.core(distribution, from, to);
+        let (g_from, g_to) = (distribution.shadowing_over_cos(from), distribution.shadowing_over_cos(to));
+        let density = core * (self.index_squared(to, from) * distribution.visibility_over_cos(from));
         let (to_emitter, to_sensor) = side.by_role(from, to);
         let value = self.tints.of(from, to) * (core * self.index_squared(to_sensor, to_emitter) * (g_from * g_to));
         (density > 0.0).then_some(BsdfSample { to, density: LobeDensity::Finite(Density::new(density)), value })
+    }
+}
+
+impl BsdfModel for RoughDielectric {
+    fn eval(&self, to_emitter: DVec3, to_sensor: DVec3) -> Rgb {
+        of_either!(&self.distribution, distribution => self.eval_by(distribution, to_emitter, to_sensor))
+    }
+
+    /// `p_σ = P D_v(h) dσ_h/dσ_to`, with P = F and `dσ_h/dσ_to = 1 / (4 |to·h|)` for reflection, P = 1 − F and
+    /// `η_to² |to·h| / ‖η_i i + η_o o‖²` for refraction \[1/sr\].
+    fn density(&self, from: DVec3, to: DVec3) -> Density<SolidAngle> {
+        Density::new(of_either!(&self.distribution, distribution => {
+            let scale = self.index_squared(to, from) * distribution.visibility_over_cos(from);
+            self.core(distribution, from, to) * scale
+        }))
+    }
+
+    fn sample(&self, side: Side, from: DVec3, u: [f64; 3]) -> Option<BsdfSample> {
+        if from.z == 0.0 {
+            return None;
+        }
+        of_either!(&self.distribution, distribution => self.sample_by(distribution, side, from, u))
     }
 
     fn radiance_scale(&self, to_emitter: DVec3, to_sensor: DVec3) -> f64 {

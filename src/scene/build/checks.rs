@@ -1,6 +1,6 @@
 //! What makes no sense, told with its name and a remedy.
 
-use std::f64::consts::{FRAC_PI_2, PI};
+use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
@@ -92,9 +92,9 @@ impl Builder<'_> {
             let (values, directions, problem) = match kind {
                 LightKind::Point { intensity, .. } => (*intensity, vec![], None),
                 LightKind::Spot { direction, intensity, inner_angle, outer_angle, .. } => {
-                    let ordered = (0.0..=*outer_angle).contains(inner_angle) && *outer_angle <= FRAC_PI_2;
+                    let ordered = (0.0..=*outer_angle).contains(inner_angle) && *outer_angle <= PI;
                     let problem = format!(
-                        "its cones have {inner_angle} and {outer_angle} rad; the inner must not exceed the outer, nor that π/2"
+                        "its cones have {inner_angle} and {outer_angle} rad; the inner must not exceed the outer, nor that π"
                     );
                     (*intensity, vec![*direction], (!ordered || *outer_angle <= 0.0).then_some(problem))
                 }

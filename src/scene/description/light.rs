@@ -36,7 +36,7 @@ pub enum LightKind {
         intensity: Rgb,
         /// Angle from the axis up to which the intensity is full \[rad\].
         inner_angle: f64,
-        /// Angle from the axis from which it is dark \[rad\], above the inner one and at most π/2.
+        /// Angle from the axis from which it is dark \[rad\], not below the inner one and at most π.
         outer_angle: f64,
     },
     /// Shines in one direction from infinitely far away.

@@ -124,3 +124,71 @@ impl Projector {
         self.mean * (PI * 4.0 * self.half_size.x * self.half_size.y)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampler::Random;
+    use crate::scene::texture::Texels;
+
+    fn projector(wrap: Wrap, filter: Filter) -> Projector {
+        let texels = Texels::Float((0..6).map(|i| [1.0 + i as f32, 0.5, 0.0, 1.0]).collect());
+        let bitmap = Bitmap { name: String::new(), width: 3, height: 2, texels, filter, wrap: [wrap; 2] };
+        let axes = [DVec3::new(2.0, -1.0, 2.0) / 3.0, DVec3::new(1.0, 4.0, 1.0).normalize()];
+        let (fov, scale) = (50.0_f64.to_radians(), Rgb::grey(0.5));
+        Projector::new(EmitterId(0), DVec3::ZERO, axes, fov, bitmap.into(), scale).expect("not black")
+    }
+
+    /// Where the image's plane is met, right and up from the axis, and the weight of Mitsuba 3.9.1's `sample_direction` times the
+    /// squared distance, for an image that repeats and for one that is clamped.
+    const INTENSITIES: [([f64; 2], [f64; 2]); 8] = [
+        ([0.0, 0.0], [5.497788, 5.497788]),
+        ([0.3, 0.1], [6.342742, 6.342742]),
+        ([-0.3, 0.1], [2.84507, 2.84507]),
+        ([0.2, -0.2], [9.191111, 9.949307]),
+        ([0.45, 0.3], [8.078558, 6.924476]),
+        ([-0.45, -0.3], [8.078561, 9.232638]),
+        ([-0.1, 0.29], [5.351437, 3.01704]),
+        ([0.5, 0.0], [0.0, 0.0]),
+    ];
+
+    #[test]
+    fn intensity_is_that_of_mitsuba() {
+        for ([x, y], expected) in INTENSITIES {
+            for (wrap, expected) in [Wrap::Repeat, Wrap::Clamp].into_iter().zip(expected) {
+                let projector = projector(wrap, Filter::Bilinear);
+                let direction = (projector.forward + projector.right * x + projector.up * y).normalize();
+                let found = projector.intensity(direction).r;
+                assert!((found - expected).abs() < 1e-5, "{x}, {y}, {wrap:?}: {found}, not {expected}");
+            }
+        }
+    }
+
+    /// Drawn in proportion to the luminance: `I / p_σ` has the luminance of the whole flux, for every direction drawn. And by
+    /// 10⁶ even directions, the flux is the integral of the intensity.
+    #[test]
+    fn directions_are_drawn_by_their_luminance() {
+        let mut random = Random::new(4, 0, 0);
+        for (wrap, filter) in [
+            (Wrap::Repeat, Filter::Bilinear),
+            (Wrap::Clamp, Filter::Bilinear),
+            (Wrap::Mirror, Filter::Bilinear),
+            (Wrap::Repeat, Filter::Nearest),
+        ] {
+            let projector = projector(wrap, filter);
+            let flux = projector.flux().luminance();
+            for _ in 0..10_000 {
+                let direction = projector.sample_emission(random.uniform5()).direction;
+                let density = projector.emission_density(direction).direction.value();
+                let ratio = projector.intensity(direction).luminance() / density;
+                assert!((ratio / flux - 1.0).abs() < 1e-9, "{wrap:?}, {filter:?}: {ratio}, not {flux}");
+            }
+            let n = 2000;
+            let even = |i: u32| (f64::from(i) + 0.5) / f64::from(n);
+            let directions = (0..n).flat_map(|i| (0..n).map(move |j| crate::warp::uniform_sphere([even(i), even(j)])));
+            let sum: f64 = directions.map(|direction| projector.intensity(direction).luminance()).sum();
+            let integral = sum * 4.0 * PI / f64::from(n * n);
+            assert!((integral / flux - 1.0).abs() < 2e-3, "{wrap:?}, {filter:?}: {integral}, not {flux}");
+        }
+    }
+}

@@ -3,6 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 use std::fs;
+use std::sync::Arc;
 
 use glam::DVec3;
 use proptest::prelude::*;
@@ -11,6 +12,7 @@ use quick_xml::events::{BytesStart, Event};
 
 use super::*;
 use crate::scene::description::*;
+use crate::scene::texture::{Parameter, Texture};
 use crate::spectrum::Rgb;
 
 /// An element as it is read back: tag, attributes, children.
@@ -341,4 +343,41 @@ fn a_folder_that_cannot_be_written_is_named() {
     fs::write(&file, "").unwrap();
     let error = export(&scene(), &ExportOptions::default(), &file).unwrap_err();
     assert!(error.to_string().contains("occupied"), "{error}");
+}
+
+#[test]
+fn analytic_shapes_keep_their_sides_and_emission_may_be_a_texture() {
+    let mut scene = scene();
+    let image = Arc::new(crate::testing::scenes::patches(3, 2, 4.0));
+    let texture = Texture::Bitmap { bitmap: image.clone(), to_uv: glam::DAffine2::IDENTITY };
+    scene.materials.push(Material { emission: Parameter::Texture(texture.into()), ..grey() });
+    let mirrored = glam::DMat3::from_diagonal(DVec3::new(1.0, -1.0, 1.0));
+    scene.spheres.push(Sphere { axes: mirrored, ..Sphere::new("mirrored", DVec3::X, 2.0, 0) });
+    scene.spheres.push(Sphere { inward: true, ..Sphere::new("inward", DVec3::X, 2.0, 0) });
+    let axes = [DVec3::X, DVec3::Y * 2.0];
+    scene.disks.push(Disk { name: "d".into(), centre: DVec3::Z, axes, flipped: true, material: 1 });
+    let (base, axis, meridian) = (DVec3::Y, DVec3::Z * 3.0, DVec3::X);
+    let (name, inward, clockwise) = ("c".into(), false, true);
+    scene.cylinders.push(Cylinder { name, base, axis, radius: 0.5, meridian, clockwise, inward, material: 0 });
+    let to_world = glam::DMat3::from_rotation_y(0.5);
+    scene.environment = Some(EnvironmentDescription::Map { bitmap: image.clone(), scale: 2.0, to_world });
+    let (forward, up) = (DVec3::Z, DVec3::Y);
+    let (position, horizontal_fov, scale) = (DVec3::ZERO, 0.5, Rgb::new(1.0, 2.0, 3.0));
+    let kind = LightKind::Projector { position, forward, up, horizontal_fov, image, scale };
+    scene.lights.push(Light { name: "projector".into(), kind });
+    let root = exported(&scene, &ExportOptions::default()).unwrap();
+    let shapes = root.all("shape");
+    assert_eq!(shapes.iter().map(|s| s.plugin()).collect::<Vec<_>>(), ["sphere", "sphere", "disk", "cylinder"]);
+    let flipped = |shape: &Node| shape.all("boolean").iter().any(|b| b.attributes["value"] == "true");
+    assert_eq!(shapes.iter().map(|s| flipped(s)).collect::<Vec<_>>(), [true, true, true, false]);
+    assert_eq!(shapes[3].matrix()[..12], [0.5, 0.0, 0.0, 0.0, 0.0, -0.5, 0.0, 1.0, 0.0, 0.0, 3.0, 0.0]);
+    assert_eq!(shapes[2].all("emitter")[0].all("texture")[0].value("filename"), "textures/0000.exr");
+    let emitters = root.all("emitter");
+    assert_eq!(emitters.iter().map(|e| e.plugin()).collect::<Vec<_>>(), ["projector", "envmap"]);
+    assert_eq!(
+        emitters[0].all("texture")[0].value("filename"),
+        "textures/0001.exr",
+        "the image in the colour of the scale"
+    );
+    assert_eq!(emitters[1].value("filename"), "textures/0000.exr");
 }

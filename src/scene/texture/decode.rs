@@ -59,6 +59,10 @@ pub fn read(file: &Path, raw: bool) -> Result<(u32, u32, Texels), ImageError> {
 /// # Errors
 /// As [`read`].
 pub fn decode(bytes: &[u8], name: &str, raw: bool) -> Result<(u32, u32, Texels), ImageError> {
+    // Radiance's format has two names for itself, of which the decoder knows one.
+    if let Some(rest) = bytes.strip_prefix(b"#?RGBE\n") {
+        return decode(&[b"#?RADIANCE\n", rest].concat(), name, raw);
+    }
     let broken = |cause: String| ImageError::Broken { name: name.into(), cause };
     let mut reader =
         ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| broken(error.to_string()))?;

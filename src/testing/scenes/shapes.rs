@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use glam::{DAffine2, DMat3, DVec2, DVec3};
+use glam::{DAffine2, DMat3, DVec3};
 
 use crate::scene::SceneDescription;
 use crate::scene::description::{
@@ -28,8 +28,8 @@ pub fn patches(width: u32, height: u32, most: f32) -> Bitmap {
     Bitmap { name: "patches".into(), width, height, texels, filter: Filter::Bilinear, wrap: [Wrap::Repeat; 2] }
 }
 
-fn glowing(name: &str, bitmap: &Arc<Bitmap>, repeats: DVec2) -> Material {
-    let texture = Texture::Bitmap { bitmap: bitmap.clone(), to_uv: DAffine2::from_scale(repeats) };
+fn glowing(name: &str, bitmap: &Arc<Bitmap>) -> Material {
+    let texture = Texture::Bitmap { bitmap: bitmap.clone(), to_uv: DAffine2::IDENTITY };
     let emission = Parameter::Texture(Arc::new(texture));
     Material { emission, ..diffuse(name, Rgb::grey(0.4), Rgb::BLACK) }
 }
@@ -48,7 +48,7 @@ pub fn lanterns(film: FilmSize) -> SceneDescription {
     // Within a diffuse sphere that emits, all techniques are equally dense, and the maximum heuristic throws dice.
     let brushed = Box::new(BsdfDescription::rough_conductor(0.5, tint.clone()));
     scene.materials.extend([
-        glowing("glow", &bitmap, DVec2::new(1.0, 2.0)),
+        glowing("glow", &bitmap),
         diffuse("lamp", Rgb::grey(0.3), Rgb::new(2.0, 5.0, 8.0)),
         material("lace", BsdfDescription::Mask { opacity: 0.4.into(), nested: brushed }, Rgb::new(7.0, 4.0, 5.0)),
         material("rough metal", BsdfDescription::rough_conductor(0.25, metal), Rgb::BLACK),

@@ -102,7 +102,12 @@ impl Folder {
             "scenes": [{"nodes": [0, 1], "extras": {"pathspace": {"film": {"width": 8, "height": 8}}}}],
             "nodes": [{"mesh": 0}, {"camera": 0}],
             "cameras": [{"type": "perspective", "perspective": {"yfov": 0.8, "znear": 0.1}}],
-            "materials": [{"emissiveFactor": [1, 1, 1], "pbrMetallicRoughness": {"metallicFactor": 0}}],
+            "materials": [{
+                "emissiveFactor": [1, 1, 1],
+                "pbrMetallicRoughness": {"metallicFactor": 0},
+                // Lambert's, which can be exported.
+                "extensions": {"KHR_materials_specular": {"specularFactor": 0}},
+            }],
             "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
             "accessors": [
                 {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [-1, -1, -3], "max": [1, 1, -3]},

@@ -24,6 +24,55 @@ pub enum Microfacets {
     Beckmann(Beckmann),
 }
 
+/// What a family of distributions answers, documented at [`Microfacets`].
+pub(super) trait Distribution {
+    fn distribution(&self, m: DVec3) -> f64;
+    fn shadowing_over_cos(&self, v: DVec3) -> f64;
+    fn visibility_over_cos(&self, v: DVec3) -> f64;
+    fn sample_visible(&self, v: DVec3, u: [f64; 2]) -> DVec3;
+}
+
+impl Distribution for Ggx {
+    #[inline(always)]
+    fn distribution(&self, m: DVec3) -> f64 {
+        self.distribution(m)
+    }
+
+    #[inline(always)]
+    fn shadowing_over_cos(&self, v: DVec3) -> f64 {
+        self.shadowing_over_cos(v)
+    }
+
+    #[inline(always)]
+    fn visibility_over_cos(&self, v: DVec3) -> f64 {
+        self.shadowing_over_cos(v)
+    }
+
+    #[inline(always)]
+    fn sample_visible(&self, v: DVec3, u: [f64; 2]) -> DVec3 {
+        self.sample_visible(v, u)
+    }
+}
+
+impl Distribution for Beckmann {
+    fn distribution(&self, m: DVec3) -> f64 {
+        self.distribution(m)
+    }
+
+    fn shadowing_over_cos(&self, v: DVec3) -> f64 {
+        self.shadowing_over_cos(v)
+    }
+
+    fn visibility_over_cos(&self, v: DVec3) -> f64 {
+        self.visibility_over_cos(v)
+    }
+
+    fn sample_visible(&self, v: DVec3, u: [f64; 2]) -> DVec3 {
+        self.sample_visible(v, u)
+    }
+}
+
+/// An answer by either family. Models ask once and not for each part of a formula, which takes half of the time.
 macro_rules! of_either {
     ($either:expr, $model:ident => $answer:expr) => {
         match $either {
@@ -32,6 +81,8 @@ macro_rules! of_either {
         }
     };
 }
+
+pub(super) use of_either;
 
 impl Microfacets {
     /// With roughness α along u and along v, both above 0.
