@@ -40,11 +40,13 @@ fn write(folder: &Path) {
     }
     let mut header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {}\n", (SIDE + 1) * (SIDE + 1));
     for name in ["x", "y", "z", "nx", "ny", "nz", "u", "v"] {
-        writeln!(header, "property float {name}").unwrap();
+        writeln!(header, "property float {name}").expect("memory takes it");
     }
-    writeln!(header, "element face {}\nproperty list uchar int vertex_indices\nend_header", 2 * SIDE * SIDE).unwrap();
-    std::fs::write(folder.join("sphere.ply"), [header.into_bytes(), vertices, faces].concat()).unwrap();
-    std::fs::write(folder.join("scene.xml"), SCENE).unwrap();
+    writeln!(header, "element face {}\nproperty list uchar int vertex_indices\nend_header", 2 * SIDE * SIDE)
+        .expect("it can be written");
+    std::fs::write(folder.join("sphere.ply"), [header.into_bytes(), vertices, faces].concat())
+        .expect("it can be written");
+    std::fs::write(folder.join("scene.xml"), SCENE).expect("it can be written");
 }
 
 /// What the system says of this process's memory \[B\].
@@ -56,18 +58,18 @@ fn memory(what: &str) -> Option<f64> {
 
 #[test]
 fn a_triangle_costs_few_bytes() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = tempfile::tempdir().expect("there is room");
     write(folder.path());
     let Some(before) = memory("VmHWM") else {
         eprintln!("skipped: the system does not tell how much memory a process has");
         return;
     };
-    let description = read::read(&folder.path().join("scene.xml")).unwrap();
+    let description = read::read(&folder.path().join("scene.xml")).expect("it can be read");
     let triangles = description.meshes[0].triangles.len();
     assert_eq!(triangles as u32, 2 * SIDE * SIDE);
-    let (scene, _) = Scene::build(&description, SceneOptions::default()).unwrap();
+    let (scene, _) = Scene::build(&description, SceneOptions::default()).expect("it can be built");
     assert_eq!(scene.accel().triangles().count(), triangles);
-    let each = (memory("VmHWM").unwrap() - before) / triangles as f64;
+    let each = (memory("VmHWM").expect("it told before") - before) / triangles as f64;
     println!("{each:.0} bytes for each triangle at the peak");
     assert!(each < MOST, "{each} bytes for each triangle at the peak");
 }
