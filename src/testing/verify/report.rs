@@ -137,18 +137,24 @@ impl Report {
     }
 }
 
-/// A table of checks and scenes in 80 columns, and what failed on which path.
+/// As many as fit into 80 columns beside the names of checks.
+const SCENES_IN_A_TABLE: usize = 5;
+
+/// Tables of checks and scenes in 80 columns, and what failed on which path.
 impl Display for Report {
     fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
         let (names, scenes) = (self.distinct(|check| check.name), self.distinct(|check| &check.scene));
         let width = names.iter().map(|name| name.chars().count()).max().unwrap_or(0);
-        write!(f, "{:width$}", self.label.chars().take(width).collect::<String>())?;
-        scenes.iter().try_for_each(|scene| write!(f, " {scene:>9}"))?;
-        writeln!(f)?;
-        for name in names {
-            write!(f, "{name:width$}")?;
-            scenes.iter().try_for_each(|scene| write!(f, " {:>9}", self.cell(name, scene)))?;
+        for (i, scenes) in scenes.chunks(SCENES_IN_A_TABLE).enumerate() {
+            let label = if i == 0 { self.label.as_str() } else { "" };
+            write!(f, "{:width$}", label.chars().take(width).collect::<String>())?;
+            scenes.iter().try_for_each(|scene| write!(f, " {scene:>11}"))?;
             writeln!(f)?;
+            for name in &names {
+                write!(f, "{name:width$}")?;
+                scenes.iter().try_for_each(|scene| write!(f, " {:>11}", self.cell(name, scene)))?;
+                writeln!(f)?;
+            }
         }
         for check in self.failures() {
             writeln!(f, "\n{}: {} fails in {}: {}", self.label, check.name, check.scene, check.found)?;
