@@ -37,7 +37,7 @@ Exit codes:
   3    compare, reference, parity: a method estimates another image, told after everything is written
   130  interrupted by Ctrl-C or SIGTERM after what was finished has been written";
 
-/// Path-space light transport: renders glTF scenes and says how certain each image is.
+/// Path-space light transport: renders scenes of glTF and Mitsuba 3 and says how certain each image is.
 #[derive(Debug, Parser)]
 #[command(name = "pathspace", version, after_help = AFTER_HELP, max_term_width = 110)]
 struct Cli {

@@ -60,7 +60,8 @@ fn sensors_name_surfaces() {
     let aim = scene.meters[0].meter.aim(&scene).unwrap();
     assert!((aim.sensor.position - DVec3::new(1.0, 1.5, 5.0)).length() < 1e-5, "{aim:?}");
     assert_eq!((aim.sensor.forward, aim.unit), (DVec3::Z, "W"));
-    assert!((aim.scale - 6.0 * std::f64::consts::PI).abs() < 1e-12, "{aim:?}");
+    // A pixel holds the irradiance; the pane has 6 m².
+    assert!((aim.scale - 6.0).abs() < 1e-12, "{aim:?}");
     assert_refused(&with("flux:pain"), &["scenes[0].extras.pathspace.sensors.a", "did you mean 'pane'?"]);
     assert_refused(&with("flx:pane"), &["scenes[0].extras.pathspace.sensors.a", "did you mean 'flux'?"]);
 }
