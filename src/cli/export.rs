@@ -13,7 +13,7 @@ use super::scene::{self, LoadOptions};
 
 /// Write a scene for Mitsuba 3: DIR/scene.xml and its meshes
 ///
-/// Radiance keeps its unit and one path length is the other's: max_depth is --max-length. The filter is a box.
+/// Radiance keeps its unit and one path length is the other's: max_depth is --max-length. The pixel filter is the scene's.
 /// Sensors besides the camera, in the scene's extras, are left out.
 #[derive(Debug, Args)]
 #[command(after_help = "Example:\n  pathspace export cornell_box /tmp/cornell_box")]

@@ -149,7 +149,12 @@ pub(crate) fn fingerprint(description: &SceneDescription) -> String {
         for vector in mesh.positions.iter().chain(normals) {
             vector.to_array().iter().for_each(|x| hash.update(&x.to_le_bytes()));
         }
+        mesh.texcoords.iter().flatten().for_each(|uv| uv.to_array().iter().for_each(|x| hash.update(&x.to_le_bytes())));
         mesh.triangles.as_flattened().iter().for_each(|index| hash.update(&index.to_le_bytes()));
+        for attribute in &mesh.attributes {
+            hash.update(attribute.name.as_bytes());
+            attribute.values.iter().for_each(|x| hash.update(&x.to_le_bytes()));
+        }
         hash.update(format!("{} {} {};", mesh.normals.is_some(), mesh.positions.len(), mesh.material).as_bytes());
     }
     let SceneDescription { spheres, disks, cylinders, materials, lights, environment, sensor, filter, .. } =
@@ -157,4 +162,32 @@ pub(crate) fn fingerprint(description: &SceneDescription) -> String {
     hash.update(format!("{spheres:?}{disks:?}{cylinders:?}{materials:?}{lights:?}").as_bytes());
     hash.update(format!("{environment:?}{sensor:?}{filter:?}").as_bytes());
     format!("{:016x}", hash.digest())
+}
+
+#[cfg(test)]
+mod tests {
+    use glam::{DVec3, Vec2};
+
+    use super::*;
+    use crate::scene::description::{Attribute, Mesh};
+
+    #[test]
+    fn the_fingerprint_changes_with_whatever_textures_depend_on() {
+        let mesh = Mesh {
+            positions: vec![DVec3::ZERO, DVec3::X, DVec3::Y],
+            texcoords: Some(vec![Vec2::ZERO; 3]),
+            attributes: vec![Attribute { name: "a".into(), per_face: true, channels: 1, values: vec![0.5] }],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        let of = |change: &dyn Fn(&mut Mesh)| {
+            let mut mesh = mesh.clone();
+            change(&mut mesh);
+            fingerprint(&SceneDescription { meshes: vec![mesh], ..SceneDescription::default() })
+        };
+        let same = of(&|_| {});
+        assert_eq!(same, of(&|_| {}));
+        assert_ne!(same, of(&|mesh| mesh.texcoords = Some(vec![Vec2::X; 3])));
+        assert_ne!(same, of(&|mesh| mesh.attributes[0].values[0] = 0.25));
+    }
 }

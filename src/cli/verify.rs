@@ -12,7 +12,8 @@ use super::Outcome;
 const AFTER_HELP: &str = "\
 Each integrator runs on small scenes with a bit of everything: closed diffuse box with a known answer, room, leaning normals
 under 241 lights, all BSDFs with point, spot, sphere and mesh lights under a thin lens, environment and sun, orthographic camera,
-textured materials, disks, cylinders and textured light, an image of the sky and a projector.
+textured materials, disks, cylinders and textured light, an image of the sky and a projector,
+films with a window and wide filters, an irradiance meter and a distant sensor.
 Checks, for paths of up to 5 edges:
   replay            the image is the sum of the terms that --replay shows
   threads           any number of threads gives the same bits

@@ -12,6 +12,7 @@ mod tree;
 mod triangle;
 
 use glam::DVec3;
+use smallvec::SmallVec;
 
 use crate::geometry::{Bounds, Ray};
 
@@ -19,7 +20,7 @@ pub use analytic::{AnalyticShape, ShapePoint};
 pub use cylinder::CylinderShape;
 pub use disk::DiskShape;
 pub use sphere::SphereShape;
-use tree::Tree;
+use tree::{Leaves, Tree};
 pub use triangle::Triangle;
 use triangle::{Block, LANES, Line, ShearedRay, TriangleHit};
 
@@ -71,39 +72,55 @@ pub struct Accel {
 }
 
 impl Accel {
-    /// Builds the hierarchies and gives each primitive its id. `radius` bounds the distance of everything that rays start
-    /// from to the origin. The second result has the old position of each triangle id; `None` where no triangle has it.
+    /// Builds the hierarchies over `count` triangles, which `triangle` knows by their positions, and gives each primitive its
+    /// id. `radius` bounds the distance of everything that rays start from to the origin. The second result has the old
+    /// position of each triangle id; `None` where no triangle has it.
     #[must_use]
-    pub fn build(triangles: &[Triangle], analytic: &[AnalyticShape], radius: f64) -> (Self, Vec<Option<u32>>) {
+    pub fn build(
+        count: usize,
+        triangle: impl Fn(u32) -> Triangle,
+        analytic: &[AnalyticShape],
+        radius: f64,
+    ) -> (Self, Vec<Option<u32>>) {
         // Rounding of a ray to f32 moves it by less than 2⁻²² of the scene's size anywhere inside it.
         let pad = radius * f64::powi(2.0, -19);
-        let (triangle_tree, leaves) = tree_of_many(triangles.iter().map(Triangle::bounds), pad, LANES, FEW_TRIANGLES);
-        let blocks = leaves.iter().map(|leaf| Block::new(leaf.iter().map(|&i| triangles[i as usize]))).collect();
-        let lanes = |leaf: &Vec<u32>| (0..LANES).map(|i| leaf.get(i).copied()).collect::<Vec<_>>();
-        let slots: Vec<Option<u32>> = leaves.iter().flat_map(lanes).collect();
+        let boxes = (0..count).map(|i| triangle(i as u32).bounds());
+        let (triangle_tree, leaves) = tree_of_many(boxes, pad, LANES, FEW_TRIANGLES);
         let (analytic_tree, analytic_leaves) =
             tree_of_many(analytic.iter().map(AnalyticShape::bounds), pad, SHAPES, FEW_SHAPES);
-        let mut ordered = Vec::with_capacity(analytic.len());
-        let analytic_ranges = (analytic_leaves.iter())
-            .map(|leaf| {
-                let first = ordered.len();
-                ordered.extend(leaf.iter().map(|&i| analytic[i as usize].clone()));
-                first..ordered.len()
-            })
-            .collect();
-        let accel = Self {
-            extent: triangles.iter().flat_map(Triangle::corners).map(DVec3::length).fold(0.0, f64::max),
-            blocks,
-            triangle_normals: (slots.iter())
-                .map(|i| i.map_or(DVec3::ZERO, |i| triangles[i as usize].area_vector().normalize()))
-                .collect(),
-            triangle_shapes: slots.iter().map(|i| i.map_or(u32::MAX, |i| triangles[i as usize].shape)).collect(),
-            analytic: ordered,
-            analytic_ranges,
+        let slots = leaves.len() * LANES;
+        let mut accel = Self {
+            extent: 0.0,
+            blocks: Vec::with_capacity(leaves.len()),
+            triangle_shapes: Vec::with_capacity(slots),
+            triangle_normals: Vec::with_capacity(slots),
+            analytic: Vec::with_capacity(analytic.len()),
+            analytic_ranges: Vec::with_capacity(analytic_leaves.len()),
             triangle_tree,
             analytic_tree,
         };
-        (accel, slots)
+        let mut order = Vec::with_capacity(slots);
+        for leaf in leaves.iter() {
+            accel.add_block(leaf.iter().map(|&i| triangle(i)).collect());
+            order.extend((0..LANES).map(|lane| leaf.get(lane).copied()));
+        }
+        for leaf in analytic_leaves.iter() {
+            let first = accel.analytic.len();
+            accel.analytic.extend(leaf.iter().map(|&i| analytic[i as usize].clone()));
+            accel.analytic_ranges.push(first..accel.analytic.len());
+        }
+        (accel, order)
+    }
+
+    fn add_block(&mut self, triangles: SmallVec<[Triangle; LANES]>) {
+        let corners = triangles.iter().flat_map(Triangle::corners).map(DVec3::length);
+        self.extent = corners.fold(self.extent, f64::max);
+        for lane in 0..LANES {
+            let triangle = triangles.get(lane);
+            self.triangle_normals.push(triangle.map_or(DVec3::ZERO, |t| t.area_vector().normalize()));
+            self.triangle_shapes.push(triangle.map_or(u32::MAX, |t| t.shape));
+        }
+        self.blocks.push(Block::new(triangles.into_iter()));
     }
 
     /// The triangles with their ids.
@@ -329,10 +346,9 @@ fn tree_of_many(
     pad: f64,
     leaf_size: usize,
     few: usize,
-) -> (Option<Tree>, Vec<Vec<u32>>) {
+) -> (Option<Tree>, Leaves) {
     if boxes.len() <= few {
-        let all: Vec<u32> = (0..boxes.len() as u32).collect();
-        return (None, all.chunks(leaf_size).map(<[u32]>::to_vec).collect());
+        return (None, Leaves::in_order(boxes.len(), leaf_size));
     }
     let (tree, leaves) = Tree::build(boxes, pad, leaf_size);
     (Some(tree), leaves)

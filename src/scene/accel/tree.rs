@@ -9,7 +9,7 @@ use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::builder::build_bvh2;
-use smallvec::SmallVec;
+use smallvec::{SmallVec, smallvec};
 use wide::f32x8;
 
 use crate::geometry::{Bounds, Ray};
@@ -32,6 +32,43 @@ struct Node {
     children: [Child; WIDTH],
 }
 
+/// What is in the leaves, by their numbers: indices of boxes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Leaves {
+    members: Vec<u32>,
+    /// Where in `members` each leaf ends.
+    ends: Vec<u32>,
+}
+
+impl Leaves {
+    /// So many boxes in their order, `size` to a leaf.
+    pub fn in_order(boxes: usize, size: usize) -> Self {
+        let members = (0..boxes as u32).collect();
+        let ends = (0..boxes.div_ceil(size)).map(|leaf| ((leaf + 1) * size).min(boxes) as u32).collect();
+        Self { members, ends }
+    }
+
+    pub fn len(&self) -> usize {
+        self.ends.len()
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
+        let mut start = 0;
+        self.ends.iter().map(move |&end| {
+            let leaf = &self.members[start as usize..end as usize];
+            start = end;
+            leaf
+        })
+    }
+
+    /// Adds a leaf and says its number.
+    fn push(&mut self, members: &[u32]) -> u32 {
+        self.members.extend_from_slice(members);
+        self.ends.push(self.members.len() as u32);
+        self.ends.len() as u32 - 1
+    }
+}
+
 /// The number of a node, or, with the highest bit set, of a leaf.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 struct Child(u32);
@@ -46,12 +83,12 @@ impl Child {
 
 impl Tree {
     /// The tree over boxes, at least one, made larger by `pad`, and its leaves: each the indices of up to `leaf_size` boxes.
-    pub fn build(boxes: impl Iterator<Item = Bounds>, pad: f64, leaf_size: usize) -> (Self, Vec<Vec<u32>>) {
+    pub fn build(boxes: impl Iterator<Item = Bounds>, pad: f64, leaf_size: usize) -> (Self, Leaves) {
         let boxes: Vec<Aabb> = boxes.map(|b| padded(b, pad)).collect();
         let params =
             BvhBuildParams { pre_split: false, max_prims_per_leaf: leaf_size as u32, ..BvhBuildParams::medium_build() };
         let bvh = build_bvh2(&boxes, params, &mut std::time::Duration::default());
-        let mut flattening = Flattening { bvh: &bvh, tree: Self { nodes: Vec::new() }, leaves: Vec::new() };
+        let mut flattening = Flattening { bvh: &bvh, tree: Self { nodes: Vec::new() }, leaves: Leaves::default() };
         flattening.run();
         (flattening.tree, flattening.leaves)
     }
@@ -172,7 +209,7 @@ impl BoxRay {
 struct Flattening<'a> {
     bvh: &'a Bvh2,
     tree: Tree,
-    leaves: Vec<Vec<u32>>,
+    leaves: Leaves,
 }
 
 impl Flattening<'_> {
@@ -184,8 +221,7 @@ impl Flattening<'_> {
                 let child = if source.is_leaf() {
                     let first = source.first_index as usize;
                     let members = &self.bvh.primitive_indices[first..first + source.prim_count as usize];
-                    self.leaves.push(members.to_vec());
-                    Child(LEAF | (self.leaves.len() - 1) as u32)
+                    Child(LEAF | self.leaves.push(members))
                 } else {
                     let number = self.new_node();
                     open.push((part, number));
@@ -207,9 +243,9 @@ impl Flattening<'_> {
     }
 
     /// Up to eight descendants that together hold what a node holds: the largest are opened first.
-    fn parts(&self, binary: usize) -> Vec<usize> {
+    fn parts(&self, binary: usize) -> SmallVec<[usize; WIDTH]> {
         let nodes = &self.bvh.nodes;
-        let mut parts = vec![binary];
+        let mut parts: SmallVec<[usize; WIDTH]> = smallvec![binary];
         while parts.len() < WIDTH {
             let inner = (0..parts.len()).filter(|&i| !nodes[parts[i]].is_leaf());
             let area = |i: &usize| nodes[parts[*i]].aabb().half_area();

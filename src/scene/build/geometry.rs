@@ -71,6 +71,46 @@ impl SceneDescription {
     }
 }
 
+/// The triangles of all meshes, one mesh after the other.
+struct Triangles<'a> {
+    meshes: &'a [Mesh],
+    /// Where each mesh ends.
+    ends: Vec<usize>,
+}
+
+impl<'a> Triangles<'a> {
+    fn new(meshes: &'a [Mesh]) -> Self {
+        let mut end = 0;
+        let mut ends = Vec::with_capacity(meshes.len());
+        for mesh in meshes {
+            end += mesh.triangles.len();
+            ends.push(end);
+        }
+        Self { meshes, ends }
+    }
+
+    fn count(&self) -> usize {
+        self.ends.last().copied().unwrap_or(0)
+    }
+
+    /// The number of a triangle's mesh, that mesh, and the triangle's number in it.
+    fn locate(&self, triangle: u32) -> (usize, &'a Mesh, usize) {
+        let triangle = triangle as usize;
+        let number = self.ends.partition_point(|&end| end <= triangle);
+        let mesh = &self.meshes[number];
+        (number, mesh, triangle + mesh.triangles.len() - self.ends[number])
+    }
+
+    /// A value for each triangle's id; `unused` where no triangle has it.
+    fn by_id<T: Copy>(&self, order: &[Option<u32>], unused: T, value: impl Fn(&Mesh, usize) -> T) -> Vec<T> {
+        let value = |triangle: u32| {
+            let (_, mesh, local) = self.locate(triangle);
+            value(mesh, local)
+        };
+        order.iter().map(|triangle| triangle.map_or(unused, value)).collect()
+    }
+}
+
 impl Builder<'_> {
     /// The primitives, the shading normals of the triangles' corners, and the old position of each triangle id.
     pub(super) fn geometry(
@@ -79,25 +119,19 @@ impl Builder<'_> {
         centre: DVec3,
         radius: f64,
     ) -> (Accel, Vec<[Vec3; 3]>, Vec<Option<u32>>) {
-        let smooth = self.description.meshes.iter().any(|m| m.normals.is_some());
-        let mut triangles = Vec::new();
-        let mut normals = Vec::new();
-        for (shape, mesh) in self.description.meshes.iter().enumerate() {
-            for indices in &mesh.triangles {
-                let corners = indices.map(|i| (mesh.positions[i as usize] - centre).as_vec3());
-                triangles.push(Triangle { corners, shape: shape as u32 });
-                if smooth {
-                    let normal = |i: u32| mesh.normals.as_ref().map_or(Vec3::ZERO, |n| n[i as usize].as_vec3());
-                    normals.push(indices.map(normal));
-                }
-            }
-        }
-        let (accel, order) = Accel::build(&triangles, analytic, radius);
-        let unused = [Vec3::ZERO; 3];
-        let normals = match smooth {
-            true => order.iter().map(|i| i.map_or(unused, |i| normals[i as usize])).collect(),
-            false => Vec::new(),
+        let triangles = Triangles::new(&self.description.meshes);
+        let triangle = |i: u32| {
+            let (shape, mesh, local) = triangles.locate(i);
+            let corners = mesh.triangles[local].map(|i| (mesh.positions[i as usize] - centre).as_vec3());
+            Triangle { corners, shape: shape as u32 }
         };
+        let (accel, order) = Accel::build(triangles.count(), triangle, analytic, radius);
+        let smooth = self.description.meshes.iter().any(|m| m.normals.is_some());
+        let corners = |mesh: &Mesh, local: usize| {
+            let normal = |i: u32| mesh.normals.as_ref().map_or(Vec3::ZERO, |n| n[i as usize].as_vec3());
+            mesh.triangles[local].map(normal)
+        };
+        let normals = if smooth { triangles.by_id(&order, [Vec3::ZERO; 3], corners) } else { Vec::new() };
         (accel, normals, order)
     }
 
@@ -127,11 +161,12 @@ impl Builder<'_> {
         let corners = |mesh: &Mesh, triangle: usize| {
             mesh.texcoords.as_ref().map_or(none, |all| mesh.triangles[triangle].map(|i| all[i as usize]))
         };
+        let triangles = Triangles::new(&self.description.meshes);
         let texcoords =
-            self.by_id(order, none, |mesh, triangle| if asks(mesh) { corners(mesh, triangle) } else { none });
+            triangles.by_id(order, none, |mesh, triangle| if asks(mesh) { corners(mesh, triangle) } else { none });
         let table = |name: &String| {
             let missing = [[0.0, 0.0, 0.0, 1.0]; 3];
-            self.by_id(order, missing, |mesh, triangle| {
+            triangles.by_id(order, missing, |mesh, triangle| {
                 let attribute = mesh.attributes.iter().find(|attribute| attribute.name == *name);
                 attribute.map_or(missing, |attribute| attribute.corners(triangle, mesh.triangles[triangle]))
             })
@@ -154,16 +189,6 @@ impl Builder<'_> {
             }
         }
         names
-    }
-
-    /// A value for each triangle's id; `unused` where no triangle has it.
-    fn by_id<T: Copy>(&self, order: &[Option<u32>], unused: T, value: impl Fn(&Mesh, usize) -> T) -> Vec<T> {
-        let meshes = &self.description.meshes;
-        let in_order: Vec<T> = meshes
-            .iter()
-            .flat_map(|mesh| (0..mesh.triangles.len()).map(|i| value(mesh, i)).collect::<Vec<_>>())
-            .collect();
-        order.iter().map(|i| i.map_or(unused, |i| in_order[i as usize])).collect()
     }
 
     pub(super) fn shapes(&self) -> Vec<Shape> {

@@ -93,11 +93,19 @@ pub fn read_with(path: &Path, options: &ReadOptions) -> Result<SceneDescription,
         ErrorKind::NotFound => SceneError::NotFound { file: path.into() },
         _ => SceneError::Unreadable { file: path.into(), cause: error.to_string() },
     })?;
-    let scene = from_bytes(&bytes, path, options).map_err(|fault| fault.in_file(path))?;
+    from_bytes(&bytes, path, options)
+}
+
+/// Reads a scene from the bytes of its file; `path` is where the files that it names are looked for.
+///
+/// # Errors
+/// As [`read_with`].
+pub fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SceneDescription, SceneError> {
+    let scene = scene(bytes, path, options).map_err(|fault| fault.in_file(path))?;
     Ok(SceneDescription { name: name_of(path), source: path.into(), ..scene })
 }
 
-fn from_bytes(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SceneDescription, Fault> {
+fn scene(bytes: &[u8], path: &Path, options: &ReadOptions) -> Result<SceneDescription, Fault> {
     let chunks = container::split(bytes)?;
     let document = Document::parse(chunks.json)?;
     let folder = path.parent().unwrap_or(Path::new(""));

@@ -11,6 +11,9 @@ use super::Texels;
 /// Longest side of an image, in pixels.
 const LONGEST_SIDE: u32 = 32_768;
 
+/// Most pixels of an image: 16384 × 8192. A small file can promise as many as it likes, and hold as many that are alike.
+const MOST_PIXELS: u64 = 1 << 27;
+
 /// Most memory that decoding may take \[B\].
 const MOST_MEMORY: u64 = 4 << 30;
 
@@ -26,7 +29,9 @@ pub enum ImageError {
         cause: String,
     },
     /// Its content is no image.
-    #[error("{name} is no image that can be read ({cause}): PNG, JPEG, HDR and EXR are, up to 32768 pixels a side")]
+    #[error(
+        "{name} is no image that can be read ({cause}): PNG, JPEG, HDR and EXR are, up to 32768 pixels a side and 2²⁷ in all"
+    )]
     Broken {
         /// The file, or its place in another.
         name: String,
@@ -68,6 +73,12 @@ pub fn decode(bytes: &[u8], name: &str, raw: bool) -> Result<(u32, u32, Texels),
     if reader.format().is_none() {
         return Err(broken("unknown format".into()));
     }
+    let sized = ImageReader::new(Cursor::new(bytes)).with_guessed_format().ok().map(ImageReader::into_dimensions);
+    if let Some(Ok((width, height))) = sized
+        && u64::from(width) * u64::from(height) > MOST_PIXELS
+    {
+        return Err(broken(format!("it has {width} × {height} pixels")));
+    }
     let floats = matches!(reader.format(), Some(ImageFormat::OpenExr | ImageFormat::Hdr));
     let image = reader.decode().map_err(|error| broken(error.to_string()))?;
     let (width, height) = (image.width(), image.height());
@@ -93,4 +104,28 @@ fn texels(image: DynamicImage, floats: bool, raw: bool) -> Texels {
     } else {
         pixels.into_iter().map(|[r, g, b, a]| [linear(r), linear(g), linear(b), a]).collect()
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A PNG of this size in grey, as far as its header goes.
+    fn promise(width: u32, height: u32) -> Vec<u8> {
+        let chunk = [b"IHDR", &width.to_be_bytes()[..], &height.to_be_bytes(), &[8, 0, 0, 0, 0]].concat();
+        let mut crc = flate2::Crc::new();
+        crc.update(&chunk);
+        let ending = b"\0\0\0\x01IDAT\0";
+        [b"\x89PNG\r\n\x1a\n\0\0\0\x0d", &chunk[..], &crc.sum().to_be_bytes(), ending].concat()
+    }
+
+    #[test]
+    fn absurd_sizes_are_refused_before_memory_is_taken() {
+        for (width, height) in [(40_000, 1), (1, 40_000), (30_000, 30_000), (u32::MAX, u32::MAX), (0, 7)] {
+            let error = decode(&promise(width, height), "a.png", false).unwrap_err().to_string();
+            assert!(error.starts_with("a.png is no image that can be read"), "{error}");
+        }
+        let error = decode(&promise(30_000, 30_000), "a.png", false).unwrap_err().to_string();
+        assert!(error.contains("it has 30000 × 30000 pixels"), "{error}");
+    }
 }

@@ -12,8 +12,7 @@ use crate::scene::gltf::{ReadOptions, from_bytes};
 
 /// Reads without the detour over the disk: there are thousands of files here.
 fn read_bytes(bytes: &[u8]) -> Result<SceneDescription, SceneError> {
-    let path = Path::new("a.gltf");
-    from_bytes(bytes, path, &ReadOptions::default()).map_err(|fault| fault.in_file(path))
+    from_bytes(bytes, Path::new("a.gltf"), &ReadOptions::default())
 }
 
 fn read_json(json: &Value) -> Result<SceneDescription, SceneError> {
