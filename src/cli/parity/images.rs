@@ -31,7 +31,7 @@ const SPP: [u64; 2] = [1024, 4096];
 const LIGHT_PATHS: u64 = 8;
 
 /// Films of a single pixel have so many passes at most.
-const MOST_PASSES: u64 = 1 << 18;
+const MOST_PASSES: u64 = 1 << 19;
 
 /// Relative difference of the mean that is allowed to an independent image.
 const INDEPENDENT: f64 = 0.03;

@@ -27,7 +27,10 @@ pub(super) fn table(rows: &[ParityRow]) -> String {
 
 fn line(rows: &[ParityRow], verdict: Verdict) -> String {
     let worst = |images: bool| {
-        let of_kind = rows.iter().filter(move |row| row.comparison.contains('/') == images);
+        let is_of_kind = |row: &&ParityRow| {
+            if images { row.comparison.contains('/') } else { row.largest_error.is_some() }
+        };
+        let of_kind = rows.iter().filter(is_of_kind);
         of_kind.max_by(|a, b| a.verdict.cmp(&b.verdict).then(surprise(a).total_cmp(&surprise(b))))
     };
     let percent = |value: Option<f64>| value.map_or_else(String::new, |value| number(100.0 * value));
@@ -35,7 +38,7 @@ fn line(rows: &[ParityRow], verdict: Verdict) -> String {
     let difference = image.map_or_else(String::new, |row| {
         format!("{:+.2} ± {:.2}", 100.0 * row.difference.unwrap_or(0.0), 100.0 * row.interval.unwrap_or(0.0))
     });
-    let points = worst(false).filter(|row| row.largest_error.is_some());
+    let points = worst(false);
     let error = points.map_or_else(String::new, |row| format!("{:.0e}", row.largest_error.unwrap_or(0.0)));
     let name = cut(&rows[0].feature, NAME_WIDTH);
     let finds = percent(image.and_then(|row| row.detectable));

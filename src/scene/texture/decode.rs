@@ -3,6 +3,8 @@
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+use exr::meta::MetaData;
+use exr::prelude::{ReadChannels, ReadLayers};
 use image::{ColorType, DynamicImage, ImageFormat, ImageReader, Limits};
 use thiserror::Error;
 
@@ -80,12 +82,34 @@ pub fn decode(bytes: &[u8], name: &str, raw: bool) -> Result<(u32, u32, Texels),
         return Err(broken(format!("it has {width} × {height} pixels")));
     }
     let floats = matches!(reader.format(), Some(ImageFormat::OpenExr | ImageFormat::Hdr));
-    let image = reader.decode().map_err(|error| broken(error.to_string()))?;
+    let is_exr = matches!(reader.format(), Some(ImageFormat::OpenExr));
+    let image = match reader.decode() {
+        Ok(image) => image,
+        Err(error) => {
+            let grey = if is_exr { grey_exr(bytes) } else { None };
+            return grey.ok_or_else(|| broken(error.to_string()));
+        }
+    };
     let (width, height) = (image.width(), image.height());
     if width == 0 || height == 0 {
         return Err(broken("it has no pixels".into()));
     }
     Ok((width, height, texels(image, floats, raw)))
+}
+
+/// An EXR image of a single channel, whatever its name, which the decoder of colours refuses; `None` where it is none.
+fn grey_exr(bytes: &[u8]) -> Option<(u32, u32, Texels)> {
+    let header = MetaData::read_from_buffered(Cursor::new(bytes), false).ok()?.headers.into_iter().next()?;
+    let (width, height) = (u32::try_from(header.layer_size.x()).ok()?, u32::try_from(header.layer_size.y()).ok()?);
+    let memory = u64::from(width) * u64::from(height) * size_of::<[f32; 4]>() as u64;
+    if width.max(height) > LONGEST_SIDE || memory > MOST_MEMORY || header.channels.list.len() != 1 {
+        return None;
+    }
+    let reader = exr::prelude::read().no_deep_data().largest_resolution_level().all_channels();
+    let image = reader.first_valid_layer().all_attributes().non_parallel().from_buffered(Cursor::new(bytes)).ok()?;
+    let channel = image.layer_data.channel_data.list.first()?;
+    let texels: Vec<[f32; 4]> = channel.sample_data.values_as_f32().map(|x| [x, x, x, 1.0]).collect();
+    (texels.len() == width as usize * height as usize).then_some((width, height, Texels::Float(texels)))
 }
 
 fn texels(image: DynamicImage, floats: bool, raw: bool) -> Texels {
