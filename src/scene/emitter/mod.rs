@@ -90,10 +90,10 @@ impl Emitter {
     pub fn emission(&self, scene: &Scene, x0: &Vertex, direction: DVec3) -> Rgb {
         match self {
             Self::Mesh(MeshEmitter { radiance, .. }) | Self::Shape(ShapeEmitter { radiance, .. }) => {
-                if x0.normal.dot(direction) <= 0.0 {
-                    return Rgb::BLACK;
-                }
+                // Between points at one place there is no direction: NaN, which is not in front either.
+                let in_front = x0.normal.dot(direction) > 0.0;
                 match radiance {
+                    _ if !in_front => Rgb::BLACK,
                     Parameter::Constant(radiance) => *radiance,
                     Parameter::Texture(texture) => scene.textured_emission(texture, x0),
                 }

@@ -34,7 +34,7 @@ fn a_missing_file_and_a_missing_name() {
 #[test]
 fn a_file_that_is_not_gltf() {
     let folder = Folder::new();
-    for (name, content) in [("a.gltf", &b"P6 3 3 255\n"[..]), ("a.glb", b""), ("a.gltf", b"{}"), ("a.xml", b"<scene/>")]
+    for (name, content) in [("a.gltf", &b"P6 3 3 255\n"[..]), ("a.glb", b""), ("a.gltf", b"{}"), ("a.txt", b"<scene/>")]
     {
         let scene = folder.write(name, content);
         fail(&["render", &scene, "-o", &folder.path("a.exr")], 1, &[name, "is not glTF"]);
