@@ -66,5 +66,8 @@ fn verify_says_where_there_is_no_variance_and_tests_no_means_there() {
     }
     let report = verify(&registry(), "bdpt", effort).expect("it is known");
     let slopes = report.checks.iter().filter(|check| check.name == "error ~ N^(-1/2)");
-    assert!(slopes.clone().count() == 14 && slopes.into_iter().all(|check| check.verdict == Verdict::Holds), "{report}");
+    assert!(
+        slopes.clone().count() == 14 && slopes.into_iter().all(|check| check.verdict == Verdict::Holds),
+        "{report}"
+    );
 }
