@@ -79,7 +79,7 @@ pub struct Importance {
 
 impl Sensor {
     /// From its description, with positions relative to `centre`. Cameras have a filter; meters do without. A distant sensor
-    /// has been [`placed`], and the surface of an irradiance meter is given [later](Self::attach).
+    /// has been placed, and the surface of an irradiance meter is given later.
     #[must_use]
     pub fn new(description: &SensorDescription, film: FilmSize, filter: PixelFilter, centre: DVec3) -> Self {
         let (half_extent, kind) = match description.projection {
