@@ -135,7 +135,9 @@ fn render(
     let size = scene.sensor().film();
     let mut film = Film::new(size.width, size.height, Some(mask))?;
     let light_paths = if integrator == "light" { LIGHT_PATHS } else { 1 };
-    let mut left = Passes((SPP[usize::from(args.full)] * case.effort * light_paths).min(MOST_PASSES));
+    // Samples of bdpt take long, and have less noise.
+    let more = args.full && integrator != "bdpt";
+    let mut left = Passes((SPP[usize::from(more)] * case.effort * light_paths).min(MOST_PASSES));
     method.integrator.render(scene, args.seed, &mut film, &mut left);
     if interrupt::requested() {
         return Err(anyhow!("interrupted"));
