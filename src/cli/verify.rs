@@ -62,7 +62,7 @@ pub(super) fn run(registry: &Registry, args: &VerifyArgs) -> anyhow::Result<Outc
         [] => std::iter::once(PARTS.to_owned()).chain(all).chain(samplers).collect(),
         named => named.to_vec(),
     };
-    let effort = Effort { passes: args.passes, seed: args.seed };
+    let effort = Effort { passes: args.passes, seed: args.seed, ..Effort::default() };
     let mut failed = 0;
     for (i, label) in labels.iter().enumerate() {
         let report = if label == PARTS { verify_parts(effort) } else { verify(registry, label, effort)? };

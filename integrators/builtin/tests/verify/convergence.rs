@@ -56,7 +56,7 @@ fn area_sampling_across_a_corner_converges_more_slowly_than_what_has_a_variance(
 
 #[test]
 fn verify_says_where_there_is_no_variance_and_tests_no_means_there() {
-    let effort = Effort { passes: 300, seed: 1 };
+    let effort = Effort::default();
     let report = verify(&registry(), "area", effort).expect("it is known");
     assert!(report.holds(), "{report}");
     let of = |name: &str| report.checks.iter().find(|c| c.scene == "enclosure" && c.name == name).expect("it is made");

@@ -13,7 +13,7 @@ use pathspace_builtin::registry;
 use buggy::{Bug, Buggy, Claim};
 use bugs::{BUGS, CLAIMS};
 
-const EFFORT: Effort = Effort { passes: 60, seed: 3 };
+const EFFORT: Effort = Effort { passes: 60, seed: 3, scenes: usize::MAX };
 
 #[test]
 fn what_ships_holds() {
@@ -36,7 +36,7 @@ fn report(name: &str, label: &str, bug: Bug, claim: Option<Claim>, forgetful: bo
     let reference = "mis:samplers=walks(s=0)+walks(s=1)+walks(s=2)+walks(t=1)+walks(t=0)";
     let reference = registry().build(reference, &defaults).expect("it is known");
     let buggy = Buggy { inner, bug, claim, forgetful };
-    verify_integrator(name, &buggy, Some(&reference), EFFORT)
+    verify_integrator(name, &buggy, Some(&reference), Effort { scenes: 7, ..EFFORT })
 }
 
 /// The first check that a bug fails, and the smallest p-value of all.
