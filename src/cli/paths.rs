@@ -10,7 +10,7 @@ use crate::estimator::{Method, Registry};
 use crate::film::output::write_atomically;
 use crate::film::{ReplayKey, check_writable};
 use crate::path::PathExpression;
-use crate::report::paths::{Origin, PathRecord, PathTable, PlyWriter};
+use crate::report::paths::{Origin, PathRecord, PathTable, PlyWriter, SceneRecord};
 use crate::report::{TABLE_WIDTH, cut};
 use crate::scene::sensor::Pixel;
 use crate::scene::{LightSelection, Scene};
@@ -27,7 +27,7 @@ glass), then E. --where takes a regular expression that the whole path matches:
   LS+DE      caustics                  L.*S.*E    with any mirror
   L[DG]SE    in a mirror or glass      L.{3,}E    three bounces or more
 
-Fields of a JSON line, schema 3. null is what is absent; numbers read back to
+Fields of a JSON line, schema 4. null is what is absent; numbers read back to
 the same bits; positions are in metres in the world.
   schema scene integrator seed pixel sample path
                        where it is from; `path` numbers the terms of a sample
@@ -39,8 +39,8 @@ the same bits; positions are in metres in the world.
   f ln_f ln_p          measurement contribution; density of its own technique
                        in area measure; ln: natural logarithm
   heuristic roulette   what the weight depends on beside the densities
-  techniques[]         s t sampler n length_probability p ln_p f_over_p; the
-                       samplers that can draw it, by number: n samples,
+  techniques[]         s t sampler n length_probability p ln_p weight f_over_p;
+                       the samplers that can draw it, by number: n samples,
                        P = length_probability (not 1 for a length drawn in
                        advance), p: mantissa * 2^exponent. With i the line's
                        sampler and r_j = n_j p_j / (n_i p_i),
@@ -48,10 +48,11 @@ the same bits; positions are in metres in the world.
                          contribution = weight f_over_p_i / (n_i P)
                        f_over_p = f/p is the target in primary sample space,
                        where the density of the sampler is one
-  vertices[]           position normal letter kind dirac; zeta at the sensor,
-                       which of the pixels is meant that share a point of the
-                       film; material and emitter (id, name); and densities,
-                       each with
+  vertices[]           position normal letter kind dirac; local, the position
+                       from the scene's centre with all digits; shading_normal
+                       where it is another; zeta at the sensor, which of the
+                       pixels is meant that share a point of the film; material
+                       and emitter (id, name); and densities, each with
                          solid_angle projected_solid_angle (at the vertex
                          before), area, dirac (measure and coefficient, where
                          there is no density), survival (of roulette, contained
@@ -65,7 +66,9 @@ Examples:
   pathspace paths cornell_box --pixel 60,240 --samples 4
   pathspace paths cornell_box --pixel 60,240 -i bdpt --vertices --where LDDE
   pathspace paths glass_caustic -i light --where 'LS+DE' --format jsonl | head
-  pathspace paths cornell_box -i bdpt --film 8x8 -o paths.ply   for a mesh viewer";
+  pathspace paths cornell_box -i bdpt --film 8x8 -o paths.ply   for a mesh viewer
+  pathspace paths cornell_box --scene-json scene.json -o paths.jsonl   for
+    python -m pathspace.stability.exact --scene-json scene.json paths.jsonl";
 
 /// List the paths of some samples with their weights, contributions and densities from both sides
 ///
@@ -116,6 +119,10 @@ pub(super) struct PathsArgs {
     #[arg(long)]
     vertices: bool,
 
+    /// Write the numbers that materials, emitters and sensor are made of, too, as JSON
+    #[arg(long, value_name = "FILE")]
+    scene_json: Option<PathBuf>,
+
     /// File to write instead of standard output
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -155,9 +162,16 @@ pub(super) fn run(registry: &Registry, args: &PathsArgs) -> anyhow::Result<Outco
         check_pixel("--pixel", pixel, scene.sensor().film())?;
     }
     args.output.as_deref().map(check_writable).transpose()?;
+    args.scene_json.as_deref().map(check_writable).transpose()?;
     scene::show(&loaded.notes);
     interrupt::listen()?;
 
+    if let Some(file) = &args.scene_json {
+        write_atomically(file, |out| {
+            serde_json::to_writer(&mut *out, &SceneRecord::new(scene))?;
+            writeln!(out)
+        })?;
+    }
     let search = Search { args, scene, method: &method };
     let mut found = Found::default();
     match &args.output {
@@ -259,7 +273,7 @@ impl Found {
         const SHOWN: usize = 5;
         let mut counts: Vec<_> = self.by_notation.iter().collect();
         counts.sort_by_key(|&(notation, &count)| (std::cmp::Reverse(count), notation.len()));
-        let shown = counts.iter().take(SHOWN).map(|(notation, count)| format!("{count} {notation}"));
+        let shown = counts.iter().take(SHOWN).map(|(notation, count)| format!("{count} {}", cut(notation, 24)));
         let shown = shown.collect::<Vec<_>>().join(", ");
         match counts.len() {
             0 => "none".into(),

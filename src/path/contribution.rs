@@ -12,8 +12,23 @@ use super::{Edge, Path, Vertex, VertexKind};
 pub struct Contribution {
     /// The pixel j.
     pub pixel: Pixel,
-    /// `f_j(x̄)`, or the product of its Dirac distributions' coefficients.
-    pub value: Rgb,
+    /// `f_j(x̄)` by channel, or the product of its Dirac distributions' coefficients; that of a long path, or of any in a scene
+    /// whose unit is not of its size, is beyond every plain number.
+    pub value: [Wide; 3],
+}
+
+impl Contribution {
+    /// The path carries no light.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        self.value.iter().all(|value| value.is_zero())
+    }
+
+    /// `f_j(x̄) · scale / density`.
+    #[must_use]
+    pub fn over(&self, density: Wide, scale: f64) -> Rgb {
+        Rgb::from(self.value.map(|f| (f * scale / density).to_f64()))
+    }
 }
 
 impl Scene {
@@ -23,22 +38,14 @@ impl Scene {
     /// Dirac distributions enter by their coefficients, so f is to be divided only by a density of the same path.
     #[must_use]
     pub fn contribution(&self, path: &Path) -> Option<Contribution> {
-        let mut value = Rgb::WHITE;
-        let pixel = self.multiply_factors(path, |factor| value *= factor)?;
-        Some(Contribution { pixel, value })
-    }
-
-    /// `f_j(x̄)` of [`contribution`](Self::contribution) by channel, of any magnitude: that of a long path is below every
-    /// plain number.
-    #[must_use]
-    pub fn wide_contribution(&self, path: &Path) -> Option<[Wide; 3]> {
         let mut value = [Wide::ONE; 3];
         let multiply = |factor: Rgb| {
             for (channel, factor) in value.iter_mut().zip(factor.to_array()) {
                 *channel = *channel * factor;
             }
         };
-        self.multiply_factors(path, multiply).map(|_| value)
+        let pixel = self.multiply_factors(path, multiply)?;
+        Some(Contribution { pixel, value })
     }
 
     /// Gives the factors of f(x̄) one after the other, and returns the pixel that sees the path.

@@ -140,6 +140,14 @@ impl Scene {
         })
     }
 
+    /// Of every material, by id: its model, `None` where it depends on the point, and whether its back is as its front.
+    pub(crate) fn uniform_materials(&self) -> impl Iterator<Item = (Option<&Bsdf>, bool)> {
+        self.materials.iter().map(|material| match &material.scattering {
+            Scattering::Uniform(bsdf) => (Some(bsdf), material.two_sided),
+            Scattering::Varying(_) => (None, false),
+        })
+    }
+
     /// All emitters, in the order of their ids; there is at least one.
     #[must_use]
     pub fn emitters(&self) -> &[Emitter] {

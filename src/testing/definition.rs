@@ -76,7 +76,7 @@ impl Comparison {
         let contribution = scene.contribution(path).filter(|c| c.pixel == term.pixel);
         let value = contribution.map_or(f64::NAN, |c| {
             let ours = term.value.to_array();
-            let theirs = combination.estimate(c.value, edges, &densities, i).to_array();
+            let theirs = combination.estimate(&c, edges, &densities, i).to_array();
             let difference = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             difference / term.value.max_component().max(f64::MIN_POSITIVE)
         });

@@ -1,6 +1,6 @@
 //! The path log: what a sampler drew, path by path, with every density that is needed to think about it.
 //!
-//! # JSON lines, schema 3
+//! # JSON lines, schema 4
 //!
 //! One line is one [`PathRecord`], a term of the estimator with its path; the fields are documented there and in the
 //! types that it holds, and nowhere else. Conventions:
@@ -13,7 +13,7 @@
 //! - Lengths are in metres in the world. x_0 lies on an emitter, x_k on the sensor.
 //!
 //! Schema 2 added `sampler` of the line, and `length_probability` and `p` of its `techniques`; schema 3 `zeta` of the
-//! vertices.
+//! vertices; schema 4 `local` and `shading_normal` of the vertices and `weight` of the `techniques`.
 //!
 //! # Recomputing weight and contribution
 //!
@@ -46,6 +46,12 @@
 //! the vertex before in the walk; the cosine is one at a point without a surface. With s = 1 the factor of x_0, and with
 //! t = 1 that of x_k, is `direct` instead; s = t = 1 draws the end that has a position of its own first and the other for it.
 //!
+//! # From vertices alone
+//!
+//! `local`, `normal` and `shading_normal` have the bits that f and p are evaluated with, and [`SceneRecord`] the parameters of
+//! materials, emitters and sensor: together they are enough to evaluate f and all p anew, with any precision.
+//! `python -m pathspace.stability.exact` does.
+//!
 //! # Primary sample space
 //!
 //! A sampler is a map x̄ = S(u) from the unit cube of its random numbers, which are uniform: there its density is *one*, in
@@ -61,10 +67,12 @@
 
 mod ply;
 mod record;
+mod scene;
 mod table;
 
 pub use ply::PlyWriter;
 pub use record::WideRecord;
 pub use record::{DensityRecord, DiracRecord, NamedId, PathRecord, RouletteRecord, TechniqueRecord, VertexRecord};
 pub use record::{Origin, SCHEMA};
+pub use scene::{EmitterKind, EmitterRecord, MaterialRecord, ModelRecord, SCENE_SCHEMA, SceneRecord, SensorRecord};
 pub use table::PathTable;

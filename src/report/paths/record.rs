@@ -14,7 +14,7 @@ use crate::scene::bsdf::Side;
 use crate::wide::Wide;
 
 /// The version of the lines that this library writes.
-pub const SCHEMA: u32 = 3;
+pub const SCHEMA: u32 = 4;
 
 /// A term of the estimator with its path; see [the module](super) for the conventions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -93,6 +93,8 @@ pub struct TechniqueRecord {
     pub p: Option<WideRecord>,
     /// `ln p_i(x̄)`.
     pub ln_p: Option<f64>,
+    /// `w_i(x̄)` by the definition, whatever the line's own `weight` was computed by.
+    pub weight: f64,
     /// `f(x̄) / p_i(x̄)` by channel: the target in this technique's primary sample space, where its own density is one.
     /// `null` where a channel is out of the range of `f64`.
     pub f_over_p: Option<[f64; 3]>,
@@ -112,8 +114,12 @@ pub struct WideRecord {
 pub struct VertexRecord {
     /// Where it is in the world \[m\]; on the sphere around the scene that stands for infinity where `kind` is `infinity`.
     pub position: [f64; 3],
+    /// The same relative to the scene's centre, as it is computed with: `position` rounds its sum with the centre \[m\].
+    pub local: [f64; 3],
     /// Unit geometric normal; `null` at a point light and a pinhole.
     pub normal: Option<[f64; 3]>,
+    /// Unit shading normal; `null` where it is the geometric one.
+    pub shading_normal: Option<[f64; 3]>,
     /// Its letter in `notation`.
     pub letter: char,
     /// `surface`, `emitter` (a surface that emits), `light` (a point or spot light), `infinity` or `sensor`.
@@ -189,7 +195,7 @@ impl PathRecord {
     pub fn new(origin: &Origin<'_>, key: ReplayKey, index: usize, recorded: &RecordedTerm) -> Self {
         let RecordedTerm { term, path } = recorded;
         let Origin { scene, integrator, definition } = *origin;
-        let f = scene.wide_contribution(path);
+        let f = scene.contribution(path).map(|contribution| contribution.value);
         let techniques = definition.map(|definition| techniques(definition, scene, path, f));
         let own = techniques.iter().flatten().find(|by| {
             (by.s, by.t) == (term.technique.s, term.technique.t) && term.sampler.is_none_or(|own| own == by.sampler)
@@ -233,6 +239,7 @@ impl PathRecord {
 /// Of the samplers that can draw the path.
 fn techniques(definition: &Combination, scene: &Scene, path: &Path, f: Option<[Wide; 3]>) -> Vec<TechniqueRecord> {
     let length_probability = definition.lengths.probability(path.edges() as u32);
+    let densities = definition.densities(scene, path);
     let record = |(i, sampler): (usize, &Arc<dyn PathSampler>)| {
         let (p, technique) = (sampler.density(scene, path), sampler.technique(path.edges() as u32));
         (!p.is_zero()).then(|| TechniqueRecord {
@@ -243,6 +250,7 @@ fn techniques(definition: &Combination, scene: &Scene, path: &Path, f: Option<[W
             length_probability,
             p: WideRecord::new(p),
             ln_p: finite(p.ln()),
+            weight: definition.weight(&densities, i),
             f_over_p: f.and_then(|f| plain(f.map(|channel| channel / p))),
         })
     };
@@ -258,7 +266,9 @@ fn vertices(scene: &Scene, rules: Option<WalkRules>, path: &Path) -> Vec<VertexR
     let record = |density: VertexDensity| DensityRecord::new(density, rules.is_some());
     let vertex = |(i, vertex): (usize, &Vertex)| VertexRecord {
         position: (vertex.position + scene.centre()).to_array(),
+        local: vertex.position.to_array(),
         normal: (vertex.normal != glam::DVec3::ZERO).then(|| vertex.normal.to_array()),
+        shading_normal: (vertex.shading_normal != vertex.normal).then(|| vertex.shading_normal.to_array()),
         letter: scene.letter(path, i),
         kind: vertex.kind.name().to_owned(),
         dirac: path.is_dirac(i),

@@ -6,6 +6,7 @@
 //! pixels at once. Where several pixels share a point of the film, the sensor's vertex says which of them is meant: see the
 //! `filter` module. Meters without an image are the extreme of that: all their pixels share everything.
 
+mod camera;
 mod densities;
 mod distant;
 mod filter;
@@ -24,6 +25,7 @@ use crate::sampler::Random;
 use super::accel::PrimitiveId;
 use super::description::{FilmSize, PixelFilter, Projection, SensorDescription, Target};
 use super::surfaces::Surfaces;
+pub use camera::Camera;
 use distant::Aperture;
 use filter::Filter;
 use meter::Meter;
