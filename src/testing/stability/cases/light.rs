@@ -82,7 +82,7 @@ fn powered(power: f64) -> Stage {
     }
     for light in &mut scene.lights {
         if let LightKind::Point { intensity, .. } | LightKind::Spot { intensity, .. } = &mut light.kind {
-            *intensity = *intensity * power;
+            *intensity *= power;
         }
     }
     Stage::as_tame(scene, power)

@@ -88,7 +88,7 @@ pub(super) fn scaled(mut scene: SceneDescription, factor: f64) -> SceneDescripti
         match &mut light.kind {
             LightKind::Point { position, intensity } | LightKind::Spot { position, intensity, .. } => {
                 *position *= factor;
-                *intensity = *intensity * (factor * factor);
+                *intensity *= factor * factor;
             }
             LightKind::Directional { .. } | LightKind::Projector { .. } => {}
         }
