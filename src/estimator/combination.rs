@@ -84,9 +84,9 @@ impl Combination {
     /// The estimate from a path that sampler i has drawn: `w_i f / (n_i p_i)`, over the probability that its length is
     /// estimated at all.
     #[must_use]
-    pub fn estimate(&self, f: Rgb, edges: u32, densities: &[Wide], i: usize) -> Rgb {
+    pub fn estimate(&self, f: [Wide; 3], edges: u32, densities: &[Wide], i: usize) -> Rgb {
         let scale = self.weight(densities, i) / self.lengths.probability(edges);
-        f.map(|f| (Wide::new(f * scale) / densities[i]).to_f64())
+        Rgb::from(f.map(|f| (f * scale / densities[i]).to_f64()))
     }
 
     /// Draws one sample of every sampler for `pixel` and gives the paths that light takes: seen by a pixel, neither black nor
@@ -109,7 +109,7 @@ impl Combination {
 
     fn seen(&self, tracer: &mut Tracer<'_>, sampler: usize, path: Path) -> Option<Draw> {
         let scene = tracer.scene();
-        let contribution = scene.contribution(&path).filter(|c| !c.value.is_black())?;
+        let contribution = scene.wide_contribution(&path).filter(|c| !c.value.iter().all(|f| f.is_zero()))?;
         let visible = path.vertices().windows(2).all(|edge| tracer.visible(&edge[0], &edge[1]));
         visible.then(|| Draw { sampler, densities: self.densities(scene, &path), path, contribution })
     }
@@ -123,7 +123,7 @@ pub struct Draw {
     /// The path x̄.
     pub path: Path,
     /// The pixel that sees it and f(x̄), not black.
-    pub contribution: Contribution,
+    pub contribution: Contribution<[Wide; 3]>,
     /// `n_j p_j(x̄)` of all samplers.
     pub densities: Vec<Wide>,
 }

@@ -9,11 +9,11 @@ use super::{Edge, Path, Vertex, VertexKind};
 
 /// What a path adds to the one pixel that sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contribution {
+pub struct Contribution<V = Rgb> {
     /// The pixel j.
     pub pixel: Pixel,
-    /// `f_j(x̄)`, or the product of its Dirac distributions' coefficients.
-    pub value: Rgb,
+    /// `f_j(x̄)` by channel; Dirac distributions enter by their coefficients.
+    pub value: V,
 }
 
 impl Scene {
@@ -28,17 +28,18 @@ impl Scene {
         Some(Contribution { pixel, value })
     }
 
-    /// `f_j(x̄)` of [`contribution`](Self::contribution) by channel, of any magnitude: that of a long path is below every
-    /// plain number.
+    /// [`contribution`](Self::contribution) of any magnitude: that of a long path, or in a scene of small or large extent, is
+    /// beyond every plain number.
     #[must_use]
-    pub fn wide_contribution(&self, path: &Path) -> Option<[Wide; 3]> {
+    pub fn wide_contribution(&self, path: &Path) -> Option<Contribution<[Wide; 3]>> {
         let mut value = [Wide::ONE; 3];
         let multiply = |factor: Rgb| {
             for (channel, factor) in value.iter_mut().zip(factor.to_array()) {
                 *channel = *channel * factor;
             }
         };
-        self.multiply_factors(path, multiply).map(|_| value)
+        let pixel = self.multiply_factors(path, multiply)?;
+        Some(Contribution { pixel, value })
     }
 
     /// Gives the factors of f(x̄) one after the other, and returns the pixel that sees the path.
