@@ -12,7 +12,7 @@ use crate::scene::{LightSelection, Scene, SceneOptions};
 use super::Effort;
 use super::case::{Case, Stage, Subject, Truth};
 use super::cell::{Cell, Verdict};
-use super::judge::{Sampled, judge};
+use super::judge::{Sampled, judge, too_rare};
 use super::measure::{FEWEST_PASSES, Measured};
 use super::place::blank;
 
@@ -103,6 +103,10 @@ impl Run<'_> {
                         break;
                     }
                     self.value(case, value, stage, &mut sweeps, stop);
+                    if value != case.values[0] {
+                        let last = sweeps.iter_mut().filter_map(|sweep| sweep.cells.last_mut());
+                        too_rare(&mut last.collect::<Vec<_>>());
+                    }
                 }
                 sweeps.into_iter().flat_map(|sweep| sweep.cells).collect()
             }
@@ -239,6 +243,7 @@ impl Sweep {
             }
             Truth::Tame(factor) => {
                 pairs(factor).for_each(|error| sampled.errors.push(error));
+                (sampled.largest, sampled.draws) = (sampled.errors.largest, sampled.errors.count);
                 cell.truth = Some(factor * self.tame.iter().sum::<f64>() / self.tame.len() as f64);
             }
         }

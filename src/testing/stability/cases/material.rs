@@ -11,7 +11,7 @@ use crate::spectrum::Rgb;
 use crate::testing::scenes::pinhole;
 
 /// Relative error of the quadrature over facets.
-const QUADRATURE: f64 = 1e-4;
+const QUADRATURE: f64 = 1e-5;
 
 pub(super) fn cases() -> Vec<Case> {
     let new = |name, sweep: (&'static str, &[f64]), stage| case("material", name, sweep, Subject::Scene(stage));
