@@ -84,9 +84,9 @@ impl Combination {
     /// The estimate from a path that sampler i has drawn: `w_i f / (n_i p_i)`, over the probability that its length is
     /// estimated at all.
     #[must_use]
-    pub fn estimate(&self, f: [Wide; 3], edges: u32, densities: &[Wide], i: usize) -> Rgb {
+    pub fn estimate(&self, f: &Contribution, edges: u32, densities: &[Wide], i: usize) -> Rgb {
         let scale = self.weight(densities, i) / self.lengths.probability(edges);
-        Rgb::from(f.map(|f| (f * scale / densities[i]).to_f64()))
+        f.over(densities[i], scale)
     }
 
     /// Draws one sample of every sampler for `pixel` and gives the paths that light takes: seen by a pixel, neither black nor
@@ -94,9 +94,11 @@ impl Combination {
     pub fn draw(&self, tracer: &mut Tracer<'_>, random: &mut Random, pixel: Pixel, take: &mut dyn FnMut(Draw)) {
         let lengths = self.lengths.draw(self.max_length, random);
         let mut draw = |i: usize, lengths: RangeInclusive<u32>, random: &mut Random| {
-            let mut paths = Vec::new();
-            self.samplers[i].sample(lengths, tracer, random, pixel, &mut |path| paths.push(path));
-            paths.into_iter().filter_map(|path| self.seen(tracer, i, path)).for_each(&mut *take);
+            // Each path at once: a walk has as many as it has vertices, and together their square.
+            let mut between = Tracer::new(tracer.scene());
+            let give = &mut |path| self.seen(&mut between, i, path).into_iter().for_each(&mut *take);
+            self.samplers[i].sample(lengths, tracer, random, pixel, give);
+            tracer.count(between.rays());
         };
         for i in 0..self.samplers.len() {
             if self.lengths.apart() {
@@ -109,7 +111,7 @@ impl Combination {
 
     fn seen(&self, tracer: &mut Tracer<'_>, sampler: usize, path: Path) -> Option<Draw> {
         let scene = tracer.scene();
-        let contribution = scene.wide_contribution(&path).filter(|c| !c.value.iter().all(|f| f.is_zero()))?;
+        let contribution = scene.contribution(&path).filter(|c| !c.is_black())?;
         let visible = path.vertices().windows(2).all(|edge| tracer.visible(&edge[0], &edge[1]));
         visible.then(|| Draw { sampler, densities: self.densities(scene, &path), path, contribution })
     }
@@ -123,7 +125,7 @@ pub struct Draw {
     /// The path x̄.
     pub path: Path,
     /// The pixel that sees it and f(x̄), not black.
-    pub contribution: Contribution<[Wide; 3]>,
+    pub contribution: Contribution,
     /// `n_j p_j(x̄)` of all samplers.
     pub densities: Vec<Wide>,
 }
@@ -136,7 +138,7 @@ impl Estimator for Combination {
             let Draw { sampler: i, path, contribution, densities } = draw;
             let edges = path.edges() as u32;
             let weight = self.weight(&densities, i);
-            let value = self.estimate(contribution.value, edges, &densities, i);
+            let value = self.estimate(&contribution, edges, &densities, i);
             let technique = self.samplers[i].technique(edges);
             let term = Term { pixel: contribution.pixel, value, technique, weight, sampler: Some(i as u32) };
             sink.add(term, || Some(path));

@@ -98,35 +98,51 @@ impl Settings {
         }
     }
 
-    /// `roulette` (`off`, `fixed`, `local`, `throughput`), `roulette_start`, the edges before its first decision, and
-    /// `survival`, the probability of `fixed`.
+    /// How walks end: [`max_length`](Self::max_length) and [`roulette`](Self::roulette), one of which must end them.
+    ///
+    /// # Errors
+    /// Where one makes no sense, or neither ends a walk.
+    pub fn walk(&mut self, default: Roulette) -> Result<(u32, Roulette), SettingsError> {
+        let (max_length, roulette) = (self.max_length()?, self.roulette(default)?);
+        if max_length == u32::MAX && !roulette.ends() {
+            return Err(Self::wrong("roulette", "off", "max_length beside it: walks would go on without end"));
+        }
+        Ok((max_length, roulette))
+    }
+
+    /// `roulette` (`off`, `fixed`, `local`, `throughput`); `roulette_start`, the edges before its first decision;
+    /// `roulette_long`, the edges from which on it ends what loses nothing, too; and `survival`, the probability of `fixed`.
     ///
     /// # Errors
     /// Where the kind is unknown, the start no whole number or the probability none.
     pub fn roulette(&mut self, default: Roulette) -> Result<Roulette, SettingsError> {
-        let (kind, start) = match default {
-            Roulette::Off => ("off", 5),
-            Roulette::Fixed { start, .. } => ("fixed", start),
-            Roulette::Local { start } => ("local", start),
-            Roulette::Throughput { start } => ("throughput", start),
+        let (kind, start, long) = match default {
+            Roulette::Off => ("off", 5, Roulette::LONG),
+            Roulette::Fixed { start, .. } => ("fixed", start, Roulette::LONG),
+            Roulette::Local { start, long } => ("local", start, long),
+            Roulette::Throughput { start, long } => ("throughput", start, long),
         };
         let kind = self.get("roulette", kind.to_owned(), "")?;
         let start = match kind.as_str() {
             "off" => 0,
             _ => self.get("roulette_start", start, "a whole number of edges")?,
         };
+        let long = match kind.as_str() {
+            "local" | "throughput" => self.get("roulette_long", long, "a whole number of edges")?,
+            _ => long,
+        };
         match kind.as_str() {
             "off" => Ok(Roulette::Off),
             "fixed" => {
-                let survival = self.get("survival", 0.7, "a number above 0 and up to 1")?;
-                if survival > 0.0 && survival <= 1.0 {
+                let survival = self.get("survival", 0.7, "a number between 0 and 1")?;
+                if survival > 0.0 && survival < 1.0 {
                     Ok(Roulette::Fixed { start, survival })
                 } else {
-                    Err(Self::wrong("survival", &survival.to_string(), "a number above 0 and up to 1"))
+                    Err(Self::wrong("survival", &survival.to_string(), "a number between 0 and 1"))
                 }
             }
-            "local" => Ok(Roulette::Local { start }),
-            "throughput" => Ok(Roulette::Throughput { start }),
+            "local" => Ok(Roulette::Local { start, long }),
+            "throughput" => Ok(Roulette::Throughput { start, long }),
             _ => Err(Self::wrong("roulette", &kind, "off, fixed, local or throughput")),
         }
     }
@@ -213,6 +229,10 @@ mod tests {
         for (text, part) in [("max_length=0", "from 1 on"), ("max_length=x", "from 1 on")] {
             let message = Settings::parse(text).expect("well formed").max_length().expect_err("wrong").to_string();
             assert!(message.contains(part), "{message}");
+        }
+        for text in ["roulette=off", "roulette=fixed:survival=1", "roulette=local:roulette_long=x"] {
+            let long = Roulette::Local { start: 3, long: Roulette::LONG };
+            assert!(Settings::parse(text).expect("well formed").walk(long).is_err(), "{text}");
         }
         assert!(Settings::parse("power").is_err());
         assert!(Settings::parse("heuristic=powr").expect("well formed").heuristic().is_err());

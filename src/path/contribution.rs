@@ -9,11 +9,26 @@ use super::{Edge, Path, Vertex, VertexKind};
 
 /// What a path adds to the one pixel that sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Contribution<V = Rgb> {
+pub struct Contribution {
     /// The pixel j.
     pub pixel: Pixel,
-    /// `f_j(x̄)` by channel; Dirac distributions enter by their coefficients.
-    pub value: V,
+    /// `f_j(x̄)` by channel, or the product of its Dirac distributions' coefficients; that of a long path, or of any in a scene
+    /// whose unit is not of its size, is beyond every plain number.
+    pub value: [Wide; 3],
+}
+
+impl Contribution {
+    /// The path carries no light.
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        self.value.iter().all(|value| value.is_zero())
+    }
+
+    /// `f_j(x̄) · scale / density`.
+    #[must_use]
+    pub fn over(&self, density: Wide, scale: f64) -> Rgb {
+        Rgb::from(self.value.map(|f| (f * scale / density).to_f64()))
+    }
 }
 
 impl Scene {
@@ -23,15 +38,6 @@ impl Scene {
     /// Dirac distributions enter by their coefficients, so f is to be divided only by a density of the same path.
     #[must_use]
     pub fn contribution(&self, path: &Path) -> Option<Contribution> {
-        let mut value = Rgb::WHITE;
-        let pixel = self.multiply_factors(path, |factor| value *= factor)?;
-        Some(Contribution { pixel, value })
-    }
-
-    /// [`contribution`](Self::contribution) of any magnitude: that of a long path, or in a scene of small or large extent, is
-    /// beyond every plain number.
-    #[must_use]
-    pub fn wide_contribution(&self, path: &Path) -> Option<Contribution<[Wide; 3]>> {
         let mut value = [Wide::ONE; 3];
         let multiply = |factor: Rgb| {
             for (channel, factor) in value.iter_mut().zip(factor.to_array()) {

@@ -32,6 +32,11 @@ impl<'a> Tracer<'a> {
         self.rays
     }
 
+    /// Counts rays that another one has traced for the same sample.
+    pub fn count(&mut self, rays: u64) {
+        self.rays += rays;
+    }
+
     /// [`Scene::trace`], counted.
     #[must_use]
     #[inline]

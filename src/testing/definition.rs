@@ -73,10 +73,10 @@ impl Comparison {
         };
         let weights: Vec<f64> = (0..densities.len()).map(|j| combination.weight(&densities, j)).collect();
         self.partition = self.partition.max((weights.iter().sum::<f64>() - 1.0).abs());
-        let contribution = scene.wide_contribution(path).filter(|c| c.pixel == term.pixel);
+        let contribution = scene.contribution(path).filter(|c| c.pixel == term.pixel);
         let value = contribution.map_or(f64::NAN, |c| {
             let ours = term.value.to_array();
-            let theirs = combination.estimate(c.value, edges, &densities, i).to_array();
+            let theirs = combination.estimate(&c, edges, &densities, i).to_array();
             let difference = ours.iter().zip(theirs).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
             difference / term.value.max_component().max(f64::MIN_POSITIVE)
         });

@@ -3,4 +3,5 @@
 pub mod definition;
 pub mod radiosity;
 pub mod scenes;
+pub mod stability;
 pub mod verify;

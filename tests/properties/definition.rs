@@ -44,11 +44,12 @@ fn all_scenes() -> [SceneDescription; 12] {
     makers.map(|make| make(FILM))
 }
 
-const SETTINGS: [&str; 5] = [
-    "max_length=6:roulette=throughput:roulette_start=2",
+const SETTINGS: [&str; 6] = [
+    "max_length=6:roulette=throughput:roulette_start=2:roulette_long=4",
     "max_length=5:roulette=local:roulette_start=1:heuristic=power",
     "max_length=7:roulette=off:heuristic=maximum",
     "max_length=4:roulette=local:heuristic=cutoff:threshold=0.3",
+    "max_length=7:roulette=local:roulette_long=2",
     "max_length=5:heuristic=power:exponent=1.3",
 ];
 

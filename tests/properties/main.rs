@@ -13,3 +13,4 @@ mod radiosity;
 mod range;
 mod references;
 mod visibility;
+mod watertight;

@@ -69,7 +69,7 @@ fn terms_are_kept_where_f_is_beyond_every_number() {
             let ratio = recorded.term.value.r / 0.99_f64.powi(k - 1);
             assert!((ratio - 1.0).abs() < 1e-11, "scale {scale}, {k} edges: off by {:e}", ratio - 1.0);
         }
-        let f = scene.wide_contribution(&recorder.terms[999].path).expect("a pixel sees it").value[0];
+        let f = scene.contribution(&recorder.terms[999].path).expect("a pixel sees it").value[0];
         assert!(f.to_normal().is_none(), "the path is no test: f = {f:?}");
     }
 }

@@ -252,7 +252,8 @@ impl<S: Sink> Connector<'_, '_, S> {
 
     /// The density of a walk's vertex, for the walk from the other end that has `edges` edges behind it one vertex earlier.
     fn reverse(&self, v: &WalkVertex, edges: usize) -> f64 {
-        let survival = if self.roulette.applies(edges as u32) { v.reverse_survival } else { 1.0 };
+        let energy = || Rgb::grey(v.reverse_energy);
+        let survival = self.roulette.survival(edges as u32, energy, energy);
         v.reverse.value() * survival
     }
 

@@ -43,8 +43,7 @@ impl Bidirectional {
     /// # Errors
     /// Where one makes no sense.
     pub fn new(settings: &mut Settings) -> Result<Self, SettingsError> {
-        let max_length = settings.max_length()?;
-        let roulette = settings.roulette(Roulette::Local { start: 3 })?;
+        let (max_length, roulette) = settings.walk(Roulette::Local { start: 3, long: Roulette::LONG_FOR_PAIRS })?;
         if !roulette.is_local() {
             return Err(SettingsError::Value {
                 name: "roulette".into(),

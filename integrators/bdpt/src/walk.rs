@@ -23,8 +23,8 @@ pub(crate) struct WalkVertex {
     pub forward: Density<Area>,
     /// Density of this vertex in a walk from the other end that comes through the next two, without roulette.
     pub reverse: Density<Area>,
-    /// Local survival probability, at the next vertex, of that walk.
-    pub reverse_survival: f64,
+    /// What that walk's roulette decides by at the next vertex, the largest channel.
+    pub reverse_energy: f64,
     /// The walk went on by a Dirac lobe.
     pub dirac: bool,
     /// Connections to it can succeed.
@@ -69,7 +69,7 @@ impl WalkVertex {
             throughput,
             forward,
             reverse: Density::ZERO,
-            reverse_survival: 1.0,
+            reverse_energy: 1.0,
             dirac: false,
             connects,
             onward: None,
@@ -175,7 +175,7 @@ fn extend(
         if survival <= 0.0 || (survival < 1.0 && random.uniform() >= survival) {
             return;
         }
-        note_reverse(scene, side, limits.roulette, &sample, scale, walk);
+        note_reverse(scene, side, &sample, scale, walk);
         let density = match sample.density {
             LobeDensity::Finite(density) => LobeDensity::Finite(density * survival),
             LobeDensity::Dirac(density) => LobeDensity::Dirac(density * survival),
@@ -185,14 +185,7 @@ fn extend(
 }
 
 /// Remembers, at the vertex before the last, how a walk from the other end would come to it.
-fn note_reverse(
-    scene: &Scene,
-    side: Side,
-    roulette: Roulette,
-    sample: &Scattered,
-    scale: f64,
-    walk: &mut [WalkVertex],
-) {
+fn note_reverse(scene: &Scene, side: Side, sample: &Scattered, scale: f64, walk: &mut [WalkVertex]) {
     let [.., before, at] = walk else { return };
     at.dirac = sample.is_dirac();
     let cos_at = at.vertex.abs_cos(at.back);
@@ -209,6 +202,5 @@ fn note_reverse(
         before.reverse = density * at.back_to_area;
         sample.value * (cos_at / density.value())
     };
-    let energy = || if side == Side::Emitter { weight / scale } else { weight };
-    before.reverse_survival = roulette.survival(u32::MAX, energy, energy);
+    before.reverse_energy = if side == Side::Emitter { weight / scale } else { weight }.max_component();
 }

@@ -66,7 +66,7 @@ impl Direct {
             "surfaces" => By::Surfaces,
             _ => return Err(Settings::wrong("by", &by, "hemisphere, cosine, bsdf, emitters or surfaces")),
         };
-        Ok(Self { by, roulette: settings.roulette(Roulette::Local { start: 3 })? })
+        Ok(Self { by, roulette: settings.roulette(Roulette::Local { start: 3, long: Roulette::LONG_FOR_PAIRS })? })
     }
 
     /// x_0 is what a ray from x_1 meets.
@@ -192,7 +192,7 @@ impl PathSampler for Direct {
     }
 
     fn ends(&self) -> bool {
-        self.roulette != Roulette::Off
+        self.roulette.ends()
     }
 
     fn covers(&self, scene: &Scene) -> Result<(), String> {

@@ -41,11 +41,8 @@ impl LightTracer {
     /// # Errors
     /// Where one makes no sense.
     pub fn new(settings: &mut Settings) -> Result<Self, SettingsError> {
-        Ok(Self {
-            max_length: settings.max_length()?,
-            roulette: settings.roulette(Roulette::Throughput { start: 5 })?,
-            heuristic: settings.heuristic()?,
-        })
+        let (max_length, roulette) = settings.walk(Roulette::Throughput { start: 5, long: Roulette::LONG })?;
+        Ok(Self { max_length, roulette, heuristic: settings.heuristic()? })
     }
 }
 

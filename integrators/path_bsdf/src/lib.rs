@@ -35,7 +35,8 @@ impl BsdfPathTracer {
     /// # Errors
     /// Where one makes no sense.
     pub fn new(settings: &mut Settings) -> Result<Self, SettingsError> {
-        Ok(Self { max_length: settings.max_length()?, roulette: settings.roulette(Roulette::Throughput { start: 5 })? })
+        let (max_length, roulette) = settings.walk(Roulette::Throughput { start: 5, long: Roulette::LONG })?;
+        Ok(Self { max_length, roulette })
     }
 }
 

@@ -44,7 +44,7 @@ impl Walks {
     /// # Errors
     /// Where one makes no sense.
     pub fn new(settings: &mut Settings) -> Result<Self, SettingsError> {
-        let roulette = settings.roulette(Roulette::Local { start: 3 })?;
+        let roulette = settings.roulette(Roulette::Local { start: 3, long: Roulette::LONG_FOR_PAIRS })?;
         let t = settings.get("t", "any".to_owned(), "")?;
         let s: u32 = settings.get("s", 0, "a number of vertices")?;
         let fixed = match t.as_str() {
@@ -121,7 +121,7 @@ impl PathSampler for Walks {
     }
 
     fn ends(&self) -> bool {
-        self.roulette != Roulette::Off
+        self.roulette.ends()
     }
 
     fn covers(&self, scene: &Scene) -> Result<(), String> {
@@ -164,6 +164,9 @@ impl Walks {
         for t in 2..=z.len() {
             if s >= 1 && !z[t - 1].0.scatters() {
                 break;
+            }
+            if s == 0 && z[t - 1].0.emitter().is_none() {
+                continue;
             }
             let mut start = y.clone();
             if s == 1 {

@@ -40,7 +40,7 @@ impl Share {
         let total: Wide = draw.densities.iter().copied().sum();
         let edges = draw.path.edges() as u32;
         let scale = 1.0 / combination.lengths.probability(edges);
-        let y = Rgb::from(draw.contribution.value.map(|f| (f * scale / total).to_f64()));
+        let y = draw.contribution.over(total, scale);
         let q: SmallVec<[f64; 4]> = draw.densities.iter().map(|&density| (density / total).to_f64()).collect();
         let Pixel { x, y: row } = draw.contribution.pixel;
         let pixel = row as usize * scene.sensor().film().width as usize + x as usize;

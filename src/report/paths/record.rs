@@ -195,7 +195,7 @@ impl PathRecord {
     pub fn new(origin: &Origin<'_>, key: ReplayKey, index: usize, recorded: &RecordedTerm) -> Self {
         let RecordedTerm { term, path } = recorded;
         let Origin { scene, integrator, definition } = *origin;
-        let f = scene.wide_contribution(path).map(|f| f.value);
+        let f = scene.contribution(path).map(|contribution| contribution.value);
         let techniques = definition.map(|definition| techniques(definition, scene, path, f));
         let own = techniques.iter().flatten().find(|by| {
             (by.s, by.t) == (term.technique.s, term.technique.t) && term.sampler.is_none_or(|own| own == by.sampler)

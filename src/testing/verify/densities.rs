@@ -82,8 +82,7 @@ fn count_pass(combination: &Combination, scene: &Scene, seed: u64, sample: u64, 
             let tracer = &mut Tracer::new(scene);
             sampler.sample(1..=LONGEST, tracer, &mut random, Pixel { x, y }, &mut |path| paths.push(path));
             for path in paths {
-                let f = scene.wide_contribution(&path);
-                let matters = f.is_some_and(|f| !f.value.iter().all(|channel| channel.is_zero()));
+                let matters = scene.contribution(&path).is_some_and(|f| !f.is_black());
                 if !matters || !scene.unobstructed(&path) {
                     continue;
                 }

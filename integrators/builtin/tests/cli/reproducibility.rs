@@ -65,7 +65,7 @@ fn a_film_goes_on_with_its_own_render_only() {
     refused("cornell_box", &["--seed", "8"], "seed: ");
     refused("cornell_box", &["--film", "36x40"], "film: ");
     refused("cornell_box", &["-i", "light"], "integrator: ");
-    refused("cornell_box", &["-i", "path:roulette=off"], "integrator: ");
+    refused("cornell_box", &["-i", "path:roulette=local"], "integrator: ");
     refused("cornell_box", &["--light-selection", "uniform"], "light selection: ");
     assert_eq!(folder.read("a.film"), before);
 

@@ -75,7 +75,7 @@ fn moved(vertex: &Vertex, from: &Scene, to: &Scene, template: &Vertex) -> Vertex
 pub(super) fn checks(effort: Effort) -> Vec<Check> {
     let scene = scenes::build(&cabinet(LAMP, WINDOW));
     let exchanged = scenes::build(&cabinet(WINDOW, LAMP));
-    [("off", Roulette::Off), ("local", Roulette::Local { start: 2 })]
+    [("off", Roulette::Off), ("local", Roulette::Local { start: 2, long: Roulette::LONG })]
         .map(|(name, roulette)| check(&scene, &exchanged, name, roulette, effort))
         .into()
 }
