@@ -1,5 +1,6 @@
 //! `stability`: where numbers hold, and where they stop holding.
 
+mod exact;
 mod output;
 mod table;
 
@@ -31,7 +32,8 @@ quadrature, or a scaling law. A cell is one value by one method; it
 Work is counted in rays: the same seed gives the same numbers, times aside, on any machine and any number of threads.
 Cases are named by how GROUP/CASE begins or by a part of CASE.
 DIR gets stability.csv (every cell with estimate, truth, z, detectable bias, variance and its growth, impossible values,
-fireflies, weights, time per sample) and stability.md.
+fireflies, weights, time per sample) and stability.md. Some cases of algebra/ are path logs, DIR/logs/, which Python evaluates
+a second time with 60 digits: `python -m pathspace.stability.exact`; they hold where rounding explains every difference.
 
 Examples:
   pathspace stability
@@ -96,9 +98,12 @@ pub(super) fn run(registry: &Registry, args: &StabilityArgs) -> anyhow::Result<O
             bar.show(&progress);
         }
     };
-    let cells = run.cells(&interrupt::requested, &told)?;
+    let mut cells = run.cells(&interrupt::requested, &told)?;
     if let Ok(bar) = bar.lock() {
         bar.bar.finish_and_clear();
+    }
+    if !interrupt::requested() {
+        cells.extend(exact::cells(registry, &cases, effort, &args.output)?);
     }
     if cells.is_empty() {
         return Ok(Outcome::Interrupted);

@@ -2,6 +2,8 @@
 
 use crate::scene::SceneDescription;
 
+use super::journal::Journal;
+
 /// Something difficult, from tame to extreme.
 #[derive(Clone)]
 pub struct Case {
@@ -28,6 +30,8 @@ pub enum Subject {
     Scene(fn(f64) -> Stage),
     /// A number that the library itself computes, without a method.
     Number(fn(f64) -> Exact),
+    /// Paths with all their numbers, which are evaluated a second time elsewhere.
+    Journal(fn(f64) -> Journal),
 }
 
 /// Beyond some value no implementation in double precision can hold.

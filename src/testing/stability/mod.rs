@@ -7,6 +7,7 @@
 mod case;
 mod cases;
 mod cell;
+mod journal;
 mod judge;
 mod measure;
 mod place;
@@ -17,8 +18,10 @@ mod truth;
 pub use case::{Case, Exact, Limit, Stage, Subject, Truth};
 pub use cases::all;
 pub use cell::{Cell, Verdict};
+pub use journal::Journal;
 pub use judge::{POWER, SIGNIFICANCE, Sampled};
-pub use run::{Progress, Run};
+pub use place::{blank, stage_name};
+pub use run::{Progress, Run, beyond};
 pub use summary::{Outcome, outcome};
 
 /// How much is drawn.

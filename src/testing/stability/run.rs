@@ -96,6 +96,8 @@ impl Run<'_> {
         let values = self.effort.values(case);
         match case.subject {
             Subject::Number(compute) => values.into_iter().map(|value| number(case, value, compute)).collect(),
+            // Evaluated elsewhere.
+            Subject::Journal(_) => Vec::new(),
             Subject::Scene(stage) => {
                 let mut sweeps: Vec<Sweep> = self.methods.iter().map(|label| Sweep::new(label)).collect();
                 for value in values {
@@ -155,7 +157,8 @@ impl Run<'_> {
 }
 
 /// A cell that does not hold where nothing can says so. Values that cannot be right are no excuse.
-pub(super) fn beyond(case: &Case, cell: Cell) -> Cell {
+#[must_use]
+pub fn beyond(case: &Case, cell: Cell) -> Cell {
     let impossible = cell.invalid.unwrap_or(0) + cell.negative.unwrap_or(0) > 0 || cell.details.contains("panic");
     match case.limit {
         Some(limit) if cell.is_bad() && case.is_beyond(cell.value) && !impossible => {
