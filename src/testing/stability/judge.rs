@@ -52,6 +52,8 @@ pub struct Sampled {
     pub definition: Option<(f64, f64)>,
     /// Relative error of the truth.
     pub tolerance: f64,
+    /// Estimates are paired with those of the tame value: where few of them went other ways, their errors are outliers.
+    pub paired: bool,
 }
 
 /// Fills in what the samples say of a cell whose truth is set. `tests` is the number of all cells.
@@ -95,7 +97,7 @@ pub(super) fn judge(cell: &mut Cell, mut sampled: Sampled, tests: usize) {
         (Verdict::Noise, format!("light was found {lit} times"))
     } else if let Some(tail) = tail.filter(|tail| noisy && tail.is_infinite()) {
         (Verdict::Noise, format!("no variance in sight: tail index {:.1}", tail.alpha))
-    } else if noisy && welch.tail > FEW_OUTLIERS {
+    } else if noisy && welch.tail > FEW_OUTLIERS && (differs || !sampled.paired) {
         (Verdict::Noise, "a few outliers make up the variance".into())
     } else if differs {
         (Verdict::Fails, format!("off by {:+.2e} of the truth", welch.difference / scale))
