@@ -7,6 +7,7 @@
 mod case;
 mod cases;
 mod cell;
+mod external;
 mod judge;
 mod measure;
 mod place;
@@ -17,7 +18,8 @@ mod truth;
 pub use case::{Case, Exact, Limit, Stage, Subject, Truth};
 pub use cases::all;
 pub use cell::{Cell, Verdict};
-pub use judge::{POWER, SIGNIFICANCE, Sampled};
+pub use external::External;
+pub use judge::{POWER, SIGNIFICANCE};
 pub use run::{Progress, Run};
 pub use summary::{Outcome, outcome};
 

@@ -88,7 +88,8 @@ impl Run<'_> {
     }
 
     /// All cells of these cases: what the significance is shared by.
-    fn tests(&self) -> usize {
+    #[must_use]
+    pub fn tests(&self) -> usize {
         self.cases.iter().map(|case| self.effort.values(case).len()).sum::<usize>() * self.methods.len().max(1)
     }
 
