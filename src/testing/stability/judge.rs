@@ -33,9 +33,11 @@ const QUANTILE: f64 = 1.96;
 
 /// What was sampled of a cell, by whatever program.
 #[derive(Clone, Debug, Default)]
-pub struct Sampled {
+pub(super) struct Sampled {
     /// Independent estimates less the truth, or less what they are paired with.
     pub errors: Moments,
+    /// What these are compared with where it is uncertain itself, of mean zero.
+    pub against: Moments,
     /// The estimates themselves.
     pub estimates: Moments,
     /// Pixels of passes that are not black, where they are known.
@@ -52,14 +54,16 @@ pub struct Sampled {
     pub definition: Option<(f64, f64)>,
     /// Relative error of the truth.
     pub tolerance: f64,
+    /// Estimates are paired with those of the tame value: where few of them went other ways, their errors are outliers.
+    pub paired: bool,
 }
 
 /// Fills in what the samples say of a cell whose truth is set. `tests` is the number of all cells.
 pub(super) fn judge(cell: &mut Cell, mut sampled: Sampled, tests: usize) {
     let truth = cell.truth.unwrap_or(f64::NAN);
     let scale = if truth == 0.0 { 1.0 } else { truth.abs() };
-    let nothing = Moments { count: sampled.errors.count, ..Moments::default() };
-    let welch = Welch::new(&sampled.errors, &nothing);
+    let exact = Moments { count: sampled.errors.count, ..Moments::default() };
+    let welch = Welch::new(&sampled.errors, if sampled.against.count > 0 { &sampled.against } else { &exact });
     let level = SIGNIFICANCE / tests.max(1) as f64;
     // No event in N draws has a probability above ln(1/level)/N. Light that was never found, and is no brighter than the
     // brightest that was, may be missing; there is no such excuse for too much light.
@@ -95,7 +99,7 @@ pub(super) fn judge(cell: &mut Cell, mut sampled: Sampled, tests: usize) {
         (Verdict::Noise, format!("light was found {lit} times"))
     } else if let Some(tail) = tail.filter(|tail| noisy && tail.is_infinite()) {
         (Verdict::Noise, format!("no variance in sight: tail index {:.1}", tail.alpha))
-    } else if noisy && welch.tail > FEW_OUTLIERS {
+    } else if noisy && welch.tail > FEW_OUTLIERS && (differs || !sampled.paired) {
         (Verdict::Noise, "a few outliers make up the variance".into())
     } else if differs {
         (Verdict::Fails, format!("off by {:+.2e} of the truth", welch.difference / scale))

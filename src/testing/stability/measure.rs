@@ -11,8 +11,9 @@ use crate::testing::definition::Comparison;
 /// Fewer passes say nothing about their variance.
 pub(super) const FEWEST_PASSES: u64 = 32;
 
-/// Terms of paths longer than this are not compared with the definition, which takes the square of the length.
-const LONGEST: u32 = 16;
+/// Paths longer than this are not compared with the definition: it takes the square of the length, and so do the paths of all
+/// terms of a sample.
+pub(super) const LONGEST: u32 = 16;
 
 /// So many terms are compared with the definition.
 const TERMS: usize = 200;
@@ -51,7 +52,6 @@ impl Measured {
         // Differences of sums leave a trace of rounding in pixels that were black.
         let threshold = 1e-9 * measured.values.iter().copied().fold(0.0, f64::max);
         measured.values.retain(|&value| value > threshold);
-        measured.definition = definition(integrator, scene, seed);
         measured
     }
 
@@ -97,8 +97,9 @@ impl Control for Watch<'_> {
     }
 }
 
-/// Compares the first terms with the definition.
-fn definition(integrator: &dyn Integrator, scene: &Scene, seed: u64) -> Option<(f64, f64)> {
+/// Compares the first terms of an integrator, of paths of at most [`LONGEST`] edges, with the definition: the largest deviations
+/// of the weights' sum and of a term.
+pub(super) fn definition(integrator: &dyn Integrator, scene: &Scene, seed: u64) -> Option<(f64, f64)> {
     let combination = integrator.definition(LONGEST)?;
     let mut comparison = Comparison::default();
     let size = scene.sensor().film();
@@ -106,7 +107,7 @@ fn definition(integrator: &dyn Integrator, scene: &Scene, seed: u64) -> Option<(
     let keys = (0..).flat_map(|sample| pixels.clone().map(move |pixel| crate::film::ReplayKey { seed, sample, pixel }));
     for key in keys.take(REPLAYS as usize) {
         for term in integrator.replay(scene, key) {
-            if comparison.terms < TERMS && term.path.edges() as u32 <= LONGEST {
+            if comparison.terms < TERMS {
                 let _ = comparison.add(&combination, scene, &term);
             }
         }

@@ -7,6 +7,7 @@
 mod case;
 mod cases;
 mod cell;
+mod external;
 mod journal;
 mod judge;
 mod measure;
@@ -18,8 +19,9 @@ mod truth;
 pub use case::{Case, Exact, Limit, Stage, Subject, Truth};
 pub use cases::all;
 pub use cell::{Cell, Verdict};
+pub use external::External;
 pub use journal::Journal;
-pub use judge::{POWER, SIGNIFICANCE, Sampled};
+pub use judge::{POWER, SIGNIFICANCE};
 pub use place::{blank, stage_name};
 pub use run::{Progress, Run, beyond};
 pub use summary::{Outcome, outcome};

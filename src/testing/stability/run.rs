@@ -13,7 +13,7 @@ use super::Effort;
 use super::case::{Case, Stage, Subject, Truth};
 use super::cell::{Cell, Verdict};
 use super::judge::{Sampled, judge, too_rare};
-use super::measure::{FEWEST_PASSES, Measured};
+use super::measure::{FEWEST_PASSES, LONGEST, Measured, definition};
 use super::place::blank;
 
 /// A cell that is expected to take this many times the rays of others is left out.
@@ -88,7 +88,8 @@ impl Run<'_> {
     }
 
     /// All cells of these cases: what the significance is shared by.
-    fn tests(&self) -> usize {
+    #[must_use]
+    pub fn tests(&self) -> usize {
         self.cases.iter().map(|case| self.effort.values(case).len()).sum::<usize>() * self.methods.len().max(1)
     }
 
@@ -211,7 +212,10 @@ impl Sweep {
         let limit = TIME_LIMIT.mul_f64(run.effort.rays as f64 / Effort::QUICK.rays as f64);
         let start = Instant::now();
         let ends = || stop() || start.elapsed() > limit;
-        let measured = Measured::new(integrator, scene, run.effort.seed, run.effort.rays, &ends);
+        let mut measured = Measured::new(integrator, scene, run.effort.seed, run.effort.rays, &ends);
+        let short = run.registry.build(&self.label, &[("max_length", LONGEST.to_string())]);
+        measured.definition =
+            short.ok().and_then(|short| definition(short.integrator.as_ref(), scene, run.effort.seed));
         self.rays.push((value, measured.rays_per_sample()));
         let cell = self.measured(cell, stage, &measured, run.tests());
         if (measured.passes.len() as u64) < FEWEST_PASSES {
@@ -233,6 +237,7 @@ impl Sweep {
             largest,
             draws: measured.samples(),
             tolerance: stage.tolerance,
+            paired,
             invalid: measured.counters.invalid,
             negative: measured.counters.negative,
             definition: measured.definition,

@@ -5,6 +5,7 @@ mod geometry;
 mod light;
 mod material;
 mod meshes;
+mod random;
 mod scale;
 mod scenery;
 mod sensor;
@@ -23,6 +24,7 @@ pub fn all() -> Vec<Case> {
         light::cases(),
         sensor::cases(),
         algebra::cases(),
+        random::cases(),
     ]
     .concat()
 }
