@@ -106,10 +106,6 @@ impl Run<'_> {
                         break;
                     }
                     self.value(case, value, stage, &mut sweeps, stop);
-                    if value != case.values[0] {
-                        let last = sweeps.iter_mut().filter_map(|sweep| sweep.cells.last_mut());
-                        too_rare(&mut last.collect::<Vec<_>>());
-                    }
                 }
                 sweeps.into_iter().flat_map(|sweep| sweep.cells).collect()
             }
@@ -138,7 +134,7 @@ impl Run<'_> {
                 return;
             }
         };
-        for sweep in sweeps {
+        for sweep in sweeps.iter_mut() {
             let cell = match self.registry.build(&sweep.label, &[]) {
                 Ok(method) => {
                     let cell = || sweep.cell(case, value, &stage, &scene, method.integrator.as_ref(), self, stop);
@@ -153,6 +149,11 @@ impl Run<'_> {
                 }
             };
             sweep.cells.push(beyond(case, cell));
+        }
+        let mut last: Vec<&mut Cell> = sweeps.iter_mut().filter_map(|sweep| sweep.cells.last_mut()).collect();
+        let found = last.iter().any(|cell| cell.verdict == Verdict::Holds);
+        if found && !stage.alike && value != case.values[0] {
+            last.iter_mut().for_each(|cell| too_rare(cell));
         }
     }
 }
@@ -238,6 +239,7 @@ impl Sweep {
             draws: measured.samples(),
             tolerance: stage.tolerance,
             paired,
+            alike: stage.alike,
             invalid: measured.counters.invalid,
             negative: measured.counters.negative,
             definition: measured.definition,
