@@ -1,5 +1,7 @@
 //! `stability`: where numbers hold, and where they stop holding.
 
+mod exact;
+mod mitsuba;
 mod output;
 mod table;
 
@@ -8,10 +10,12 @@ use std::path::PathBuf;
 use std::sync::Mutex;
 use std::time::Instant;
 
+use anyhow::anyhow;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::estimator::Registry;
+use crate::experiment::Mitsuba;
 use crate::testing::stability::{Case, Cell, Effort, Progress, Run, Verdict, all};
 
 use super::progress::time;
@@ -31,14 +35,16 @@ quadrature, or a scaling law. A cell is one value by one method; it
 Work is counted in rays: the same seed gives the same numbers, times aside, on any machine and any number of threads.
 Cases are named by how GROUP/CASE begins or by a part of CASE.
 DIR gets stability.csv (every cell with estimate, truth, z, detectable bias, variance and its growth, impossible values,
-fireflies, weights, time per sample) and stability.md.
+fireflies, weights, time per sample), stability.md, a picture of the table where Python is set up, and in mitsuba/ the exported
+scenes. Some cases of algebra/ are path logs, left in logs/, which Python evaluates a second time with 60 digits
+(`python -m pathspace.stability.exact`); they hold where rounding explains every difference.
 
 Examples:
   pathspace stability
   pathspace stability light/ --integrators path,bdpt:heuristic=power
   pathspace stability --full -o results/stability-full
 
-Exit code 0: nothing fails; 1: something does.";
+Exit code 0: nothing of ours fails; 1: something does.";
 
 /// Where numbers hold, and where they stop holding: stiff and extreme cases with known answers
 #[derive(Debug, Args)]
@@ -55,6 +61,10 @@ pub(super) struct StabilityArgs {
     /// All values of all parameters and twenty times as many samples
     #[arg(long)]
     full: bool,
+
+    /// Mitsuba's path tracer besides, in scalar_rgb and llvm_ad_rgb, on what can be exported
+    #[arg(long)]
+    mitsuba: bool,
 
     /// Seed of the random numbers
     #[arg(long, value_name = "N", default_value_t = Effort::QUICK.seed)]
@@ -90,15 +100,32 @@ pub(super) fn run(registry: &Registry, args: &StabilityArgs) -> anyhow::Result<O
     let threads = args.threads.map_or_else(available, |threads| threads as usize);
     let run = Run { registry, methods: &methods, cases: &cases, effort, threads };
     output::check(&args.output)?;
+    let python = Mitsuba::find(interrupt::requested);
+    if let (true, Err(why)) = (args.mitsuba, &python) {
+        return Err(anyhow!("{why}"));
+    }
     let bar = Mutex::new(Bar::new());
     let told = |progress: Progress<'_>| {
         if let Ok(bar) = bar.lock() {
             bar.show(&progress);
         }
     };
-    let cells = run.cells(&interrupt::requested, &told)?;
+    let mut cells = run.cells(&interrupt::requested, &told)?;
+    if let (true, Ok(mitsuba)) = (args.mitsuba && !interrupt::requested(), &python) {
+        let say = |text: String| {
+            if let Ok(bar) = bar.lock() {
+                bar.say(text);
+            }
+        };
+        let tests = run.tests() / methods.len() * (methods.len() + 2);
+        let theirs = mitsuba::cells(mitsuba, &cases, effort, tests, &args.output, &cells, &say)?;
+        cells.extend(theirs);
+    }
     if let Ok(bar) = bar.lock() {
         bar.bar.finish_and_clear();
+    }
+    if !interrupt::requested() {
+        cells.extend(exact::cells(registry, &cases, effort, &args.output)?);
     }
     if cells.is_empty() {
         return Ok(Outcome::Interrupted);
@@ -107,6 +134,10 @@ pub(super) fn run(registry: &Registry, args: &StabilityArgs) -> anyhow::Result<O
     let mut out = io::stdout().lock();
     out.write_all(table::table(&cells).as_bytes())?;
     writeln!(out, "table: {}", args.output.join("stability.csv").display())?;
+    match python.map_err(|why| anyhow!("{why}")).and_then(|python| mitsuba::picture(&python, &args.output)) {
+        Ok(()) => writeln!(out, "picture: {}", args.output.join("stability.png").display())?,
+        Err(why) => complain("note", &format!("no picture: {why}")),
+    }
     out.flush()?;
     Ok(ending(&cells))
 }
@@ -124,13 +155,14 @@ fn chosen(names: &[String]) -> anyhow::Result<Vec<Case>> {
 }
 
 fn ending(cells: &[Cell]) -> Outcome {
-    for cell in cells.iter().filter(|cell| cell.verdict == Verdict::Fails) {
+    let ours = || cells.iter().filter(|cell| !cell.method.starts_with("mitsuba:"));
+    for cell in ours().filter(|cell| cell.verdict == Verdict::Fails) {
         let Cell { group, case, parameter, value, method, details, .. } = cell;
         complain("FAILS", &format!("{group}/{case} {method}: {parameter} = {}: {details}", table::value(*value)));
     }
     if interrupt::requested() {
         Outcome::Interrupted
-    } else if cells.iter().any(Cell::is_bad) {
+    } else if ours().any(Cell::is_bad) {
         Outcome::Failed
     } else {
         Outcome::Done
@@ -162,6 +194,13 @@ impl Bar {
             let _ = writeln!(io::stderr(), "{text}");
         }
         self.bar.set_position((1000 * done / of) as u64);
+        self.bar.set_message(text);
+    }
+
+    fn say(&self, text: String) {
+        if self.bar.is_hidden() {
+            let _ = writeln!(io::stderr(), "{text}");
+        }
         self.bar.set_message(text);
     }
 }

@@ -47,7 +47,9 @@ pub(super) fn table(cells: &[Cell]) -> String {
 fn heading(methods: &[&str]) -> String {
     let mut text = format!("{:NAME_WIDTH$}", "case");
     for method in methods {
-        let _ = write!(text, " {:COLUMN_WIDTH$}", cut(method, COLUMN_WIDTH));
+        // Of Mitsuba's the variant tells them apart.
+        let name = method.strip_prefix("mitsuba:path:").unwrap_or(method);
+        let _ = write!(text, " {:COLUMN_WIDTH$}", cut(name, COLUMN_WIDTH));
     }
     text.trim_end().to_owned() + "\n"
 }

@@ -8,11 +8,14 @@ use crate::scene::Scene;
 use crate::spectrum::Rgb;
 use crate::testing::definition::Comparison;
 
-/// Fewer passes say nothing about their variance.
-pub(super) const FEWEST_PASSES: u64 = 32;
+use super::Effort;
 
-/// Terms of paths longer than this are not compared with the definition, which takes the square of the length.
-const LONGEST: u32 = 16;
+/// A cell that takes this many times the rays of others is given up after the first pass.
+const TOO_LONG: f64 = 40.0;
+
+/// Paths longer than this are not compared with the definition: it takes the square of the length, and so do the paths of all
+/// terms of a sample.
+pub(super) const LONGEST: u32 = 16;
 
 /// So many terms are compared with the definition.
 const TERMS: usize = 200;
@@ -37,13 +40,13 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Draws passes until they have taken so many rays, or `stop` is told.
-    pub fn new(integrator: &dyn Integrator, scene: &Scene, seed: u64, rays: u64, stop: &dyn Fn() -> bool) -> Self {
+    /// Draws passes until they are enough, or `stop` is told.
+    pub fn new(integrator: &dyn Integrator, scene: &Scene, effort: Effort, stop: &dyn Fn() -> bool) -> Self {
         let size = scene.sensor().film();
         let mut film = Film::new(size.width, size.height, None).expect("stages have pixels");
-        let mut watch = Watch { rays, stop, before: Vec::new(), measured: Self::default() };
+        let mut watch = Watch { effort, stop, before: Vec::new(), measured: Self::default() };
         let start = Instant::now();
-        integrator.render(scene, seed, &mut film, &mut watch);
+        integrator.render(scene, effort.seed, &mut film, &mut watch);
         let mut measured = watch.measured;
         measured.seconds = start.elapsed().as_secs_f64();
         measured.pixels = u64::from(size.width) * u64::from(size.height);
@@ -51,7 +54,6 @@ impl Measured {
         // Differences of sums leave a trace of rounding in pixels that were black.
         let threshold = 1e-9 * measured.values.iter().copied().fold(0.0, f64::max);
         measured.values.retain(|&value| value > threshold);
-        measured.definition = definition(integrator, scene, seed);
         measured
     }
 
@@ -72,7 +74,7 @@ impl Measured {
 }
 
 struct Watch<'a> {
-    rays: u64,
+    effort: Effort,
     stop: &'a dyn Fn() -> bool,
     /// Sum of each pixel before the last pass.
     before: Vec<Rgb>,
@@ -92,13 +94,17 @@ impl Control for Watch<'_> {
             self.measured.passes.push(pass.iter().sum::<f64>() / pass.len() as f64);
             self.before = sums;
         }
-        let enough = passes >= FEWEST_PASSES && film.counters.rays >= self.rays;
-        u64::from(!(enough || (self.stop)()))
+        let Effort { rays, passes: fewest, .. } = self.effort;
+        let enough = passes >= fewest && film.counters.rays >= rays;
+        let expected = film.counters.rays as f64 * fewest as f64 / passes.max(1) as f64;
+        let too_long = expected > TOO_LONG * rays as f64;
+        u64::from(!(enough || too_long || (self.stop)()))
     }
 }
 
-/// Compares the first terms with the definition.
-fn definition(integrator: &dyn Integrator, scene: &Scene, seed: u64) -> Option<(f64, f64)> {
+/// Compares the first terms of an integrator, of paths of at most [`LONGEST`] edges, with the definition: the largest deviations
+/// of the weights' sum and of a term.
+pub(super) fn definition(integrator: &dyn Integrator, scene: &Scene, seed: u64) -> Option<(f64, f64)> {
     let combination = integrator.definition(LONGEST)?;
     let mut comparison = Comparison::default();
     let size = scene.sensor().film();
@@ -106,7 +112,7 @@ fn definition(integrator: &dyn Integrator, scene: &Scene, seed: u64) -> Option<(
     let keys = (0..).flat_map(|sample| pixels.clone().map(move |pixel| crate::film::ReplayKey { seed, sample, pixel }));
     for key in keys.take(REPLAYS as usize) {
         for term in integrator.replay(scene, key) {
-            if comparison.terms < TERMS && term.path.edges() as u32 <= LONGEST {
+            if comparison.terms < TERMS {
                 let _ = comparison.add(&combination, scene, &term);
             }
         }

@@ -3,8 +3,15 @@
 use super::case::Case;
 use super::cell::{Cell, Verdict};
 
-/// The cell's place in the table.
-pub(super) fn blank(case: &Case, value: f64, method: &str) -> Cell {
+/// What a cell is called in file names.
+#[must_use]
+pub fn stage_name(case: &Case, value: f64) -> String {
+    format!("{}-{}-{value:e}", case.group, case.name)
+}
+
+/// The cell's place in the table, of which nothing else is known.
+#[must_use]
+pub fn blank(case: &Case, value: f64, method: &str) -> Cell {
     Cell {
         schema: Cell::SCHEMA,
         group: case.group.into(),

@@ -1,6 +1,8 @@
 //! Surfaces that meet, touch, graze and degenerate.
 
-use glam::{DMat3, DVec3};
+use std::path::Path;
+
+use glam::DVec3;
 
 use super::super::case::{Case, Stage, Subject};
 use super::case;
@@ -43,19 +45,36 @@ pub(super) fn cases() -> Vec<Case> {
             Stage::new(scene, FLOOR)
         })
         .about("a convex diffuse mesh in a constant environment: L = albedo where it does not shade itself"),
-        new("stretched box", ("height", &[1.0, 1e-2, 1e-4, 1e-6, 1e-9]), |height| {
-            let mut scene = unit_enclosure(0.5);
-            // Mirrored, as by a scale of −1: triangles are turned round so that the inside stays the front.
-            let map = DMat3::from_diagonal(DVec3::new(-1.0, height, 1.0));
-            scene.meshes[0].positions.iter_mut().for_each(|p| *p = map * *p);
-            scene.meshes[0].triangles.iter_mut().for_each(|t| t.swap(1, 2));
-            scene.sensor = Some(pinhole(map * DVec3::new(0.3, 0.1, 0.9), map * DVec3::new(-0.2, -0.1, -1.0), 60.0));
-            Stage::new(scene, 1.0)
-        })
-        .about("the closed box, mirrored and pressed flat: L = 1"),
+        new("stretched box", ("height", &[1.0, 1e-2, 1e-4, 1e-6, 1e-9]), stretched_box)
+            .about("a closed box, mirrored and pressed flat by its transform in a Mitsuba file: L = 1"),
         new("shading normals", ("tilt in degrees", &[0.0, 30.0, 60.0, 80.0, 89.0]), shading_normals)
             .about("a plane whose normals lean, in a constant environment: L = albedo (1 + cos tilt)/2"),
     ]
+}
+
+fn stretched_box(height: f64) -> Stage {
+    let text = format!(
+        r#"<scene version="3.0.0">
+  <shape type="cube">
+    <transform name="to_world"><scale x="-1" y="{height}" z="1.2"/></transform>
+    <boolean name="flip_normals" value="true"/>
+    <bsdf type="diffuse"><rgb name="reflectance" value="0.5"/></bsdf>
+    <emitter type="area"><rgb name="radiance" value="0.5"/></emitter>
+  </shape>
+  <sensor type="perspective">
+    <float name="fov" value="60"/> <string name="fov_axis" value="y"/>
+    <transform name="to_world">
+      <lookat origin="0.3, {y}, 0.9" target="-0.2, -{y}, -1" up="0, 1, 0"/>
+    </transform>
+    <film type="hdrfilm">
+      <integer name="width" value="8"/> <integer name="height" value="6"/> <rfilter type="box"/>
+    </film>
+  </sensor>
+</scene>"#,
+        y = 0.1 * height
+    );
+    let scene = crate::scene::mitsuba::read::from_bytes(text.as_bytes(), Path::new("box.xml"), &Default::default());
+    Stage::new(scene.expect("the text is a scene"), 1.0)
 }
 
 fn grey() -> BsdfDescription {

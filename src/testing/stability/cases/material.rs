@@ -11,7 +11,7 @@ use crate::spectrum::Rgb;
 use crate::testing::scenes::pinhole;
 
 /// Relative error of the quadrature over facets.
-const QUADRATURE: f64 = 1e-4;
+const QUADRATURE: f64 = 1e-5;
 
 pub(super) fn cases() -> Vec<Case> {
     let new = |name, sweep: (&'static str, &[f64]), stage| case("material", name, sweep, Subject::Scene(stage));
@@ -23,7 +23,9 @@ pub(super) fn cases() -> Vec<Case> {
         new("rough glass", ("alpha", &[1.0, 0.1, 1e-2, 1e-4, 1e-6, 1e-8]), |alpha| glass(alpha, 1.5))
             .about("an interface of GGX facets in a constant environment, refracted radiance by 1/η²: quadrature"),
         new("rough glass of little contrast", ("index - 1", &[0.5, 1e-3, 1e-6, 1e-9, 0.0]), |contrast| {
-            glass(0.1, 1.0 + contrast)
+            // Without contrast there is no interface, and no masking either, which the limit would have.
+            let stage = glass(0.1, 1.0 + contrast);
+            if contrast == 0.0 { Stage::new(stage.scene, 1.0) } else { stage }
         })
         .about("the same at α = 0.1: half vectors vanish as the index goes to one"),
         new("glass of little contrast", ("index - 1", &[0.5, 1e-3, 1e-6, 1e-9, 0.0]), |contrast| ball(1.0 + contrast))

@@ -5,12 +5,15 @@ mod geometry;
 mod light;
 mod material;
 mod meshes;
+mod random;
 mod scale;
 mod scenery;
 mod sensor;
 mod stiff;
 
 use super::case::{Case, Limit, Subject};
+
+pub(super) use scenery::FILM;
 
 /// All cases in the order of the table.
 #[must_use]
@@ -23,6 +26,7 @@ pub fn all() -> Vec<Case> {
         light::cases(),
         sensor::cases(),
         algebra::cases(),
+        random::cases(),
     ]
     .concat()
 }

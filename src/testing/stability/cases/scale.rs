@@ -1,5 +1,8 @@
 //! Sizes and places far from one.
 
+use std::path::Path;
+
+use base64::prelude::{BASE64_STANDARD, Engine as _};
 use glam::DVec3;
 
 use super::super::case::{Case, Stage, Subject};
@@ -25,6 +28,8 @@ pub(super) fn cases() -> Vec<Case> {
             Stage::as_tame(moved(cabinet(FILM), DVec3::new(0.6, -0.64, 0.48) * 2.0 * distance), 1.0)
         })
         .about("the same, moved: the same image"),
+        new("by a parent node", ("distance over size", &[0.0, 1e2, 1e4, 1e6, 1e7]), by_a_parent)
+            .about("a closed box and its camera below a node of a glTF file that moves them far away: L = 1"),
         new("small beside large", ("size", &[1.0, 1e-2, 1e-4, 1e-6]), small_beside_large)
             .about("a floor under a ball lamp, beside a black wall 1000 times as large as the lamp's height at size one: E = Φ cos θ / (4π r²)"),
         new("small in a box", ("size", &[1e-1, 1e-3, 1e-6, 1e-9]), |size| {
@@ -40,6 +45,43 @@ pub(super) fn cases() -> Vec<Case> {
     ]
 }
 
+/// The children's own places are small, and lose nothing by the parent's: transforms are composed in double precision.
+fn by_a_parent(distance: f64) -> Stage {
+    let corners = (0..8_u8).flat_map(|i| [0, 1, 2].map(|axis| if i >> axis & 1 == 0 { -1.0_f32 } else { 1.0 }));
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    // The inside is the front.
+    let indices = faces.iter().flat_map(|&[a, b, c, d]: &[u16; 4]| [a, c, b, a, d, c]);
+    let bytes: Vec<u8> = corners.flat_map(f32::to_le_bytes).chain(indices.flat_map(u16::to_le_bytes)).collect();
+    let uri = format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(&bytes));
+    let place = DVec3::new(1.2, -1.28, 0.96) * distance;
+    let diffuse = serde_json::json!({"type": "diffuse", "reflectance": [0.5, 0.5, 0.5]});
+    let document = serde_json::json!({
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [
+            {"translation": place.to_array(), "children": [1, 2]},
+            {"mesh": 0},
+            {"camera": 0, "translation": [0.3, 0.1, 0.8], "rotation": [0.0, 0.6, 0.0, 0.8]},
+        ],
+        "cameras": [{"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}}],
+        "materials": [{"emissiveFactor": [0.5, 0.5, 0.5], "extras": {"pathspace": {"bsdf": diffuse}}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3", "min": [-1, -1, -1], "max": [1, 1, 1]},
+            {"bufferView": 1, "componentType": 5123, "count": 36, "type": "SCALAR"},
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 96},
+            {"buffer": 0, "byteOffset": 96, "byteLength": 72},
+        ],
+        "buffers": [{"byteLength": bytes.len(), "uri": uri}],
+    });
+    let text = document.to_string();
+    let read = crate::scene::gltf::from_bytes(text.as_bytes(), Path::new("box.gltf"), &Default::default());
+    let scene = SceneDescription { film: Some(FILM), ..read.expect("the text is a scene") };
+    Stage::new(scene, 1.0)
+}
+
 fn small_beside_large(size: f64) -> Stage {
     const FLUX: f64 = 1.0;
     let (lamp, radius) = (DVec3::new(0.2, 0.1, 1.5), 0.2);
@@ -49,7 +91,7 @@ fn small_beside_large(size: f64) -> Stage {
     let mut scene = scaled(scene, size);
     scene.materials.push(diffuse("wall", Rgb::BLACK, Rgb::BLACK));
     scene.meshes.push(rectangle("wall", DVec3::new(3.0, -10.0, -10.0), DVec3::Y * 1000.0, DVec3::Z * 1000.0, 2));
-    Stage::new(scene, floor_mean(20, |at| isotropic(FLUX, lamp, at)))
+    Stage { alike: true, ..Stage::new(scene, floor_mean(20, |at| isotropic(FLUX, lamp, at))) }
 }
 
 /// The radiance of a ball that shines the flux Φ: `Φ / (π · 4π r²)`.
