@@ -59,7 +59,7 @@ fn disk(disk: &Disk) -> Option<String> {
     if !disk.centre.is_finite() {
         return Some(format!("its centre is {}; give three numbers", disk.centre));
     }
-    let flat = !has_length(u) || !has_length(v) || !(u.cross(v).length() > f64::EPSILON * u.length() * v.length());
+    let flat = !has_length(u) || !has_length(v) || u.cross(v).length() <= f64::EPSILON * u.length() * v.length();
     flat.then(|| format!("its axes {u} and {v} span no plane; give two vectors in different directions"))
 }
 
