@@ -69,13 +69,14 @@ struct Asked<'a> {
     refused: Option<String>,
 }
 
-/// The cells of all cases in their order by both variants. `told` gets a sentence now and then.
+/// The cells of all cases in their order by both variants, beside `ours`. `told` gets a sentence now and then.
 pub(super) fn cells(
     mitsuba: &Mitsuba,
     cases: &[Case],
     effort: Effort,
     tests: usize,
     folder: &Path,
+    ours: &[Cell],
     told: &dyn Fn(String),
 ) -> anyhow::Result<Vec<Cell>> {
     let folder = folder.join("mitsuba");
@@ -88,7 +89,7 @@ pub(super) fn cells(
         if interrupt::requested() {
             break;
         }
-        cells.extend(judged(&asked, &answers, method, tests));
+        cells.extend(judged(&asked, &answers, method, ours, tests));
     }
     Ok(cells)
 }
@@ -170,7 +171,17 @@ fn serve(
     }
 }
 
-fn judged(asked: &[Asked<'_>], answers: &BTreeMap<String, Told>, method: &str, tests: usize) -> Vec<Cell> {
+fn judged(
+    asked: &[Asked<'_>],
+    answers: &BTreeMap<String, Told>,
+    method: &str,
+    ours: &[Cell],
+    tests: usize,
+) -> Vec<Cell> {
+    let holds = |case: &Case, value: f64| {
+        let same = |cell: &&Cell| cell.case == case.name && cell.group == case.group && cell.value == value;
+        ours.iter().filter(same).any(|cell| cell.verdict == Verdict::Holds)
+    };
     let mut tame: BTreeMap<String, (External, Cell)> = BTreeMap::new();
     let mut cells = Vec::new();
     for asked in asked {
@@ -195,7 +206,7 @@ fn judged(asked: &[Asked<'_>], answers: &BTreeMap<String, Told>, method: &str, t
                     seconds_per_sample: answer.seconds_per_sample.unwrap_or(f64::NAN),
                 };
                 let first = tame.get(&case.full_name()).map(|(external, cell)| (external, cell));
-                let cell = Cell::external(case, *value, method, stage, &external, first, tests);
+                let cell = Cell::external(case, *value, method, stage, &external, first, holds(case, *value), tests);
                 tame.entry(case.full_name()).or_insert_with(|| (external, cell.clone()));
                 cell
             }

@@ -118,7 +118,8 @@ pub(super) fn run(registry: &Registry, args: &StabilityArgs) -> anyhow::Result<O
             }
         };
         let tests = run.tests() / methods.len() * (methods.len() + 2);
-        cells.extend(mitsuba::cells(mitsuba, &cases, effort, tests, &args.output, &say)?);
+        let theirs = mitsuba::cells(mitsuba, &cases, effort, tests, &args.output, &cells, &say)?;
+        cells.extend(theirs);
     }
     if let Ok(bar) = bar.lock() {
         bar.bar.finish_and_clear();

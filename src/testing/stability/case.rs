@@ -52,6 +52,8 @@ pub struct Stage {
     pub truth: Truth,
     /// Relative error of the truth, or of rounding on the way to it.
     pub tolerance: f64,
+    /// Paths are drawn as they are at the tame value, but for a map of space: light is no rarer.
+    pub alike: bool,
 }
 
 /// What the mean luminance of an image is.
@@ -96,7 +98,7 @@ impl Stage {
     /// A scene with a truth of its own.
     #[must_use]
     pub fn new(scene: SceneDescription, truth: f64) -> Self {
-        Self { scene, truth: Truth::Value(truth), tolerance: Self::ROUNDING }
+        Self { scene, truth: Truth::Value(truth), tolerance: Self::ROUNDING, alike: false }
     }
 
     /// With a truth that is not known better than this.
@@ -108,6 +110,6 @@ impl Stage {
     /// A scene that has to look as the tame one does, but for a factor.
     #[must_use]
     pub fn as_tame(scene: SceneDescription, factor: f64) -> Self {
-        Self { scene, truth: Truth::Tame(factor), tolerance: Self::ROUNDING }
+        Self { scene, truth: Truth::Tame(factor), tolerance: Self::ROUNDING, alike: true }
     }
 }

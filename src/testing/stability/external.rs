@@ -4,7 +4,7 @@ use crate::film::Moments;
 
 use super::case::{Case, Stage, Truth};
 use super::cell::{Cell, Verdict};
-use super::judge::{Sampled, judge};
+use super::judge::{Sampled, judge, too_rare};
 use super::place::blank;
 
 /// What single precision loses in some hundred steps: no less is asked of it.
@@ -38,9 +38,10 @@ impl External {
 }
 
 impl Cell {
-    /// A value of a case by another program. `tame` are its passes for the tame value, and its cell. `tests` is the number of
-    /// all cells.
+    /// A value of a case by another program. `tame` are its passes for the tame value, and its cell. `others` hold at this value.
+    /// `tests` is the number of all cells.
     #[must_use]
+    #[allow(clippy::too_many_arguments, reason = "all that a cell is made of")]
     pub fn external(
         case: &Case,
         value: f64,
@@ -48,6 +49,7 @@ impl Cell {
         stage: &Stage,
         told: &External,
         tame: Option<(&External, &Self)>,
+        others: bool,
         tests: usize,
     ) -> Self {
         let mut cell = blank(case, value, method);
@@ -70,9 +72,14 @@ impl Cell {
             largest: told.largest,
             draws: told.passes.len() as u64 * told.pixels,
             tolerance: stage.tolerance.max(SINGLE_PRECISION),
+            alike: stage.alike,
+            values: estimates.mean.eq(&0.0).then(Vec::new),
             ..Sampled::default()
         };
         judge(&mut cell, sampled, tests);
+        if others && !stage.alike && tame.is_some() {
+            too_rare(&mut cell);
+        }
         let samples = told.passes.len() as u64 * told.spp * told.pixels;
         let variance = estimates.variance() * (told.spp * told.pixels) as f64 / (estimates.mean * estimates.mean);
         cell.passes = Some(told.passes.len() as u64);

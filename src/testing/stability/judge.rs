@@ -54,6 +54,8 @@ pub(super) struct Sampled {
     pub definition: Option<(f64, f64)>,
     /// Relative error of the truth.
     pub tolerance: f64,
+    /// Light is as rare as it is at the tame value.
+    pub alike: bool,
     /// Estimates are paired with those of the tame value: where few of them went other ways, their errors are outliers.
     pub paired: bool,
 }
@@ -95,7 +97,7 @@ pub(super) fn judge(cell: &mut Cell, mut sampled: Sampled, tests: usize) {
         (Verdict::Fails, format!("a term is off its definition by {definition:.0e}"))
     } else if truth == 0.0 && lit == 0 {
         (Verdict::Holds, String::new())
-    } else if lit < FEWEST {
+    } else if lit < FEWEST && !sampled.alike {
         (Verdict::Noise, format!("light was found {lit} times"))
     } else if let Some(tail) = tail.filter(|tail| noisy && tail.is_infinite()) {
         (Verdict::Noise, format!("no variance in sight: tail index {:.1}", tail.alpha))
@@ -110,17 +112,14 @@ pub(super) fn judge(cell: &mut Cell, mut sampled: Sampled, tests: usize) {
     };
 }
 
-/// A method that finds a small part of the light in a cell in which others find all: samples alone do not tell light that is too
-/// rare for them from light that is lost, so nothing is said. At the tame value, the first, there is no such excuse.
-pub(super) fn too_rare(cells: &mut [&mut Cell]) {
-    let found = cells.iter().any(|cell| cell.verdict == Verdict::Holds);
-    for cell in cells.iter_mut().filter(|_| found) {
-        let share = 1.0 + cell.difference.unwrap_or(0.0);
-        let right = cell.weights.unwrap_or(0.0) <= WEIGHTS && cell.definition.unwrap_or(0.0) <= DEFINITION;
-        let possible = cell.invalid == Some(0) && cell.negative == Some(0) && right;
-        if cell.verdict == Verdict::Fails && possible && (0.0..1.0 - COARSEST).contains(&share) {
-            cell.verdict = Verdict::Noise;
-            cell.details = format!("{:.0} % of the light that others find: the rest is too rare", 100.0 * share);
-        }
+/// Where others find all light in a cell, samples alone do not tell light that is too rare for a method from light that it
+/// loses: nothing is said of one that finds a small part.
+pub(super) fn too_rare(cell: &mut Cell) {
+    let share = 1.0 + cell.difference.unwrap_or(0.0);
+    let right = cell.weights.unwrap_or(0.0) <= WEIGHTS && cell.definition.unwrap_or(0.0) <= DEFINITION;
+    let possible = cell.invalid == Some(0) && cell.negative == Some(0) && right;
+    if cell.verdict == Verdict::Fails && possible && (0.0..1.0 - COARSEST).contains(&share) {
+        cell.verdict = Verdict::Noise;
+        cell.details = format!("{:.0} % of the light that others find: the rest is too rare", 100.0 * share);
     }
 }

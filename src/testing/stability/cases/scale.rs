@@ -91,7 +91,7 @@ fn small_beside_large(size: f64) -> Stage {
     let mut scene = scaled(scene, size);
     scene.materials.push(diffuse("wall", Rgb::BLACK, Rgb::BLACK));
     scene.meshes.push(rectangle("wall", DVec3::new(3.0, -10.0, -10.0), DVec3::Y * 1000.0, DVec3::Z * 1000.0, 2));
-    Stage::new(scene, floor_mean(20, |at| isotropic(FLUX, lamp, at)))
+    Stage { alike: true, ..Stage::new(scene, floor_mean(20, |at| isotropic(FLUX, lamp, at))) }
 }
 
 /// The radiance of a ball that shines the flux Φ: `Φ / (π · 4π r²)`.
