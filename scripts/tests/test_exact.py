@@ -127,6 +127,17 @@ def test_glass_mirror_sky_and_lens(tmp_path: Path, integrator: str, more: tuple[
 
 
 @needs_program
+@pytest.mark.parametrize("alpha", [None, 0.2])
+def test_normals_that_are_not_the_geometric_ones(tmp_path: Path, alpha: float | None) -> None:
+    (tmp_path / "floor.obj").write_text(scenes.LEANING)
+    bsdf = scenes.rough(alpha) if alpha else scenes.diffuse("0.7, 0.6, 0.5")
+    lines, scene = log(tmp_path, scenes.relief("floor.obj", bsdf), "bdpt", lines=60)
+    lines = [line for line in lines if any(vertex["shading_normal"] for vertex in line["vertices"])]
+    assert len(lines) > 10
+    check(lines[:16], scene)
+
+
+@needs_program
 def test_logs_are_read_by_the_command_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
