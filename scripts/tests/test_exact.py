@@ -162,13 +162,13 @@ def test_logs_are_read_by_the_command_line(
 
 @needs_program
 def test_the_suite_evaluates_its_logs(tmp_path: Path) -> None:
-    command = [PROGRAM, "stability", "across-a-corner", "powers", "-o"]
+    command = [PROGRAM, "stability", "across a corner", "powers", "-o"]
     here = {**os.environ, "PATHSPACE_PYTHON": sys.executable}
     done = subprocess.run([*command, tmp_path], cwd=ROOT, env=here, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     with (tmp_path / "stability.csv").open() as file:
         cells = list(csv.DictReader(file))
-    assert [cell["case"] for cell in cells] == ["across-a-corner"] * 3 + ["powers"] * 3
+    assert [cell["case"] for cell in cells] == ["across a corner"] * 3 + ["powers"] * 3
     for cell in cells:
         assert (cell["method"], cell["verdict"]) == ("core", "holds")
         assert 0 < float(cell["difference"]) < float(cell["detectable"]) < 1e-4
