@@ -1,8 +1,10 @@
 """Path logs of the program against their evaluation with 60 digits."""
 
+import csv
 import json
 import os
 import subprocess
+import sys
 from collections.abc import Callable
 from copy import deepcopy
 from pathlib import Path
@@ -145,6 +147,29 @@ def test_logs_are_read_by_the_command_line(
     assert f"{file}: line 1: schema 3" in capsys.readouterr().err
     file.unlink()
     assert main(arguments) == 2
+
+
+@needs_program
+def test_the_suite_evaluates_its_logs(tmp_path: Path) -> None:
+    command = [PROGRAM, "stability", "across-a-corner", "powers", "-o"]
+    here = {**os.environ, "PATHSPACE_PYTHON": sys.executable}
+    done = subprocess.run([*command, tmp_path], cwd=ROOT, env=here, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    with (tmp_path / "stability.csv").open() as file:
+        cells = list(csv.DictReader(file))
+    assert [cell["case"] for cell in cells] == ["across-a-corner"] * 3 + ["powers"] * 3
+    for cell in cells:
+        assert (cell["method"], cell["verdict"]) == ("core", "holds")
+        assert 0 < float(cell["difference"]) < float(cell["detectable"]) < 1e-4
+        assert "edges" in cell["details"]
+    absent = {**os.environ, "PATHSPACE_PYTHON": "/absent/python"}
+    done = subprocess.run(
+        [*command, tmp_path], cwd=ROOT, env=absent, capture_output=True, text=True
+    )
+    with (tmp_path / "stability.csv").open() as file:
+        cells = list(csv.DictReader(file))
+    assert {cell["verdict"] for cell in cells} == {"missing"}
+    assert all("no Python" in cell["details"] for cell in cells)
 
 
 def plant_cosine(monkeypatch: pytest.MonkeyPatch) -> None:

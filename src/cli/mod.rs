@@ -18,6 +18,7 @@ mod replay;
 mod scene;
 mod score;
 mod session;
+mod stability;
 mod verify;
 mod what_if;
 
@@ -54,6 +55,7 @@ enum Command {
     Pyramid(pyramid::PyramidArgs),
     Paths(Box<paths::PathsArgs>),
     Parity(parity::ParityArgs),
+    Stability(stability::StabilityArgs),
     Export(export::ExportArgs),
     List(list::ListArgs),
     Verify(verify::VerifyArgs),
@@ -102,6 +104,7 @@ pub fn main(registry: &Registry) -> ExitCode {
         Command::Pyramid(args) => pyramid::run(args),
         Command::Paths(args) => paths::run(registry, args),
         Command::Parity(args) => parity::run(registry, args),
+        Command::Stability(args) => stability::run(registry, args),
         Command::Export(args) => export::run(args),
         Command::List(_) => list::run(registry),
         Command::Verify(args) => verify::run(registry, args),

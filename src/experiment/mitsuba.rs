@@ -88,19 +88,14 @@ impl Mitsuba {
     /// # Errors
     /// Why not, and what to do, in one line.
     pub fn find(stopped: impl Fn() -> bool) -> Result<Self, String> {
-        let python = match std::env::var_os("PATHSPACE_PYTHON") {
-            Some(python) => PathBuf::from(python),
-            None => PathBuf::from(".venv/bin/python"),
-        };
+        let mut mitsuba = Self::unasked();
+        let python = mitsuba.python.clone();
         let refuse = |what: &str| {
             format!(
                 "{}: {what}; run scripts/setup, or name a Python with Mitsuba in $PATHSPACE_PYTHON",
                 python.display()
             )
         };
-        let scripts =
-            fs::canonicalize("scripts").ok().filter(|folder| folder.join("pathspace/mitsuba_run.py").is_file());
-        let mut mitsuba = Self { python: python.clone(), scripts, version: String::new(), llvm: None };
         let (mut out, mut last) = (String::new(), String::new());
         let mut command = mitsuba.command("mitsuba_probe");
         let ended = run_limited(&mut command, PROBE_LIMIT, stopped, |line| match line {
@@ -116,6 +111,15 @@ impl Mitsuba {
         let probe: Probe = serde_json::from_str(&out).map_err(|_| refuse("says nothing of Mitsuba"))?;
         (mitsuba.version, mitsuba.llvm) = (probe.mitsuba, probe.llvm);
         Ok(mitsuba)
+    }
+
+    /// The same Python, whether it has Mitsuba or not.
+    pub(crate) fn unasked() -> Self {
+        let named = std::env::var_os("PATHSPACE_PYTHON").map(PathBuf::from);
+        let scripts =
+            fs::canonicalize("scripts").ok().filter(|folder| folder.join("pathspace/mitsuba_run.py").is_file());
+        let python = named.unwrap_or_else(|| PathBuf::from(".venv/bin/python"));
+        Self { python, scripts, version: String::new(), llvm: None }
     }
 
     /// How to get the faster variant, where it is not there.

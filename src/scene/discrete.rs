@@ -21,12 +21,20 @@ impl Discrete {
         // Scaled first: the sum of huge weights must not overflow.
         let scaled = |w: f64| if largest > 0.0 { w / largest } else { 1.0 };
         let total: f64 = weights.iter().copied().map(scaled).sum();
-        let last = weights.iter().rposition(|&w| scaled(w) > 0.0);
-        let mut sum = 0.0;
-        for (i, w) in weights.iter_mut().enumerate() {
+        let has_weight: Vec<bool> = weights.iter().map(|&w| w > 0.0 || largest == 0.0).collect();
+        let (mut sum, mut before) = (0.0, 0.0_f64);
+        for (w, &has_weight) in weights.iter_mut().zip(&has_weight) {
             sum += scaled(*w) / total;
-            // Rounding must leave no room after the last choice that has weight.
-            *w = if Some(i) >= last { 1.0 } else { sum.min(1.0) };
+            // What has weight can be chosen, however little it is beside the sum.
+            before = if has_weight { f64::max(sum, before.next_up()) } else { before };
+            *w = before;
+        }
+        // Rounding must leave no room after the last choice that has weight.
+        let last = has_weight.iter().rposition(|&has| has).unwrap_or(0);
+        weights.iter_mut().skip(last).for_each(|w| *w = 1.0);
+        for i in (0..last).rev() {
+            let after = weights[i + 1];
+            weights[i] = weights[i].min(if has_weight[i + 1] { after.next_down() } else { after });
         }
         Some(Self { cumulative: weights })
     }
@@ -101,6 +109,19 @@ mod tests {
         assert!(Discrete::new([1.0, -1.0]).is_none());
         let huge = Discrete::new([1e300, 1e300, 1e300]).expect("valid");
         assert!((huge.probability(2).value() - 1.0 / 3.0).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_least_weight_can_be_chosen_wherever_it_stands() {
+        for weights in [[1e-30, 1.0, 1e-300], [1.0, 1e-30, 1e-30], [1e-25, 1e-30, 1.0], [0.0, 1.0, 1e-17]] {
+            let d = Discrete::new(weights).expect("valid");
+            for (i, &weight) in weights.iter().enumerate() {
+                let probability = d.probability(i).value();
+                assert_eq!(probability > 0.0, weight > 0.0, "{weights:?}: {i} has {probability}");
+                assert!(probability <= weight + 2.0 * f64::EPSILON, "{weights:?}: {i} has {probability}");
+            }
+            assert_eq!(d.below(2) + d.probability(2).value(), 1.0);
+        }
     }
 
     #[test]

@@ -80,7 +80,7 @@ impl Mapping {
         let [a, b, c] = corners.map(Vec2::as_dvec2);
         let (along_v, along_w) = (b - a, c - a);
         let uv = a + along_v * barycentric[0] + along_w * barycentric[1];
-        let [p, q, r] = triangle.corners();
+        let [p, q, r] = triangle.corners;
         let (edge_v, edge_w) = (q - p, r - p);
         let determinant = along_v.perp_dot(along_w);
         let tangents = if determinant == 0.0 {
@@ -106,7 +106,7 @@ impl Scene {
 
 /// Weights of the second and third corner for a point of the triangle.
 fn barycentric(triangle: &Triangle, point: DVec3) -> [f64; 2] {
-    let [a, b, c] = triangle.corners();
+    let [a, b, c] = triangle.corners;
     let (v, w, p) = (b - a, c - a, point - a);
     let normal = v.cross(w);
     let scale = 1.0 / normal.length_squared();

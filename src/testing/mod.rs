@@ -4,4 +4,5 @@ pub mod definition;
 pub mod ends;
 pub mod radiosity;
 pub mod scenes;
+pub mod stability;
 pub mod verify;

@@ -52,7 +52,7 @@ fn peak() -> f64 {
 /// CPU time of a ray from surface to surface: for the nearest hit, and for whether a segment is free \[ns\].
 fn rays(accel: &Accel) -> [f64; 2] {
     let mut random = Random::new(1, 0, 0);
-    let extent = accel.triangles().map(|(_, t)| t.corners()[0].length()).fold(0.0, f64::max);
+    let extent = accel.triangles().map(|(_, t)| t.corners[0].length()).fold(0.0, f64::max);
     let mut starts = Vec::with_capacity(RAYS);
     while starts.len() < RAYS {
         let outside = warp::uniform_sphere(random.uniform2()) * 3.0 * extent;

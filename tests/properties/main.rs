@@ -14,3 +14,4 @@ mod radiosity;
 mod range;
 mod references;
 mod visibility;
+mod watertight;

@@ -1,6 +1,7 @@
 //! Weights of long and of nearly specular paths, whose densities no floating-point number holds.
 
 use pathspace::estimator::{Combination, Estimator, Heuristic, Recorder, Settings, driver};
+use pathspace::path::Roulette;
 use pathspace::sampler::Tracer;
 use pathspace::scene::description::{BsdfDescription, FilmSize};
 use pathspace::scene::sensor::Pixel;
@@ -9,6 +10,7 @@ use pathspace::testing::definition::compare;
 use pathspace::testing::scenes;
 use pathspace_bdpt::Bidirectional;
 use pathspace_path_bsdf::BsdfPathTracer;
+use pathspace_walks::{Fixed, Walks};
 
 const FILM: FilmSize = FilmSize { width: 4, height: 4 };
 
@@ -41,6 +43,34 @@ fn weights_of_a_thousand_vertices_add_up_to_one() {
         assert!(plain < densities.len() / 2, "the path is no test: {plain} densities are in range");
         let total: f64 = (0..densities.len()).map(|i| definition.weight(&densities, i)).sum();
         assert!((total - 1.0).abs() < 1e-9, "{heuristic:?}: {total}");
+    }
+}
+
+/// In a closed box that emits everywhere and is drawn by the cosine, the term of length k is ρ^(k−1) L_e for every sample. f(x̄)
+/// falls to 1e-950 there, and to 1e+17000 in a box of a nanometre.
+#[test]
+fn terms_are_kept_where_f_is_beyond_every_number() {
+    for scale in [1.0, 1e-9, 1e9] {
+        let mut description = scenes::enclosure(Rgb::WHITE, Rgb::grey(0.99), FILM);
+        description.meshes.iter_mut().flat_map(|mesh| &mut mesh.positions).for_each(|p| *p *= scale);
+        if let Some(sensor) = &mut description.sensor {
+            sensor.position *= scale;
+        }
+        let scene = scenes::build(&description);
+        let sampler = Walks::shared(Fixed::Emitter(0), Roulette::Off);
+        let estimator = Combination::of(vec![sampler], Heuristic::Balance, 1000);
+        let pixel = Pixel { x: 1, y: 2 };
+        let mut recorder = Recorder::default();
+        let mut random = driver::random_of(&scene, 1, pixel, 0);
+        estimator.sample(&mut Tracer::new(&scene), &mut random, pixel, &mut (), &mut recorder);
+        assert_eq!(recorder.terms.len(), 1000, "scale {scale}");
+        for recorded in &recorder.terms {
+            let k = recorded.path.edges() as i32;
+            let ratio = recorded.term.value.r / 0.99_f64.powi(k - 1);
+            assert!((ratio - 1.0).abs() < 1e-11, "scale {scale}, {k} edges: off by {:e}", ratio - 1.0);
+        }
+        let f = scene.contribution(&recorder.terms[999].path).expect("a pixel sees it").value[0];
+        assert!(f.to_normal().is_none(), "the path is no test: f = {f:?}");
     }
 }
 

@@ -35,6 +35,8 @@ class Quantity:
     """Its error over that bound."""
     at: str = ""
     """Which it is."""
+    loosest: float = 0.0
+    """The largest bound: no error above it can have been missed."""
     numbers: int = 0
     beyond: int = 0
     """Numbers of which rounding may leave no digit."""
@@ -46,6 +48,7 @@ class Quantity:
             self.beyond += 1
             return
         self.error = max(self.error, error)
+        self.loosest = max(self.loosest, bound)
         ratio = error / bound if error else 0.0
         if ratio >= self.ratio:
             self.ratio, self.bound, self.at = ratio, bound, at
@@ -61,6 +64,7 @@ class Quantity:
         return {
             "error": finite,
             "bound": self.bound,
+            "loosest": self.loosest,
             "ratio": self.ratio if mp.isfinite(self.ratio) else None,
             "at": self.at,
             "numbers": self.numbers,

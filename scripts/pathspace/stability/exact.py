@@ -17,10 +17,10 @@ log10_p
 quantities
     by name: `error`, the largest relative error (null: infinite); and of the number that is nearest
     to its bound, or furthest beyond, `bound`, `ratio` of error to bound (null: infinite), and
-    `at`, which it is; `numbers`, how many there are; `beyond`, of how many of them rounding may
-    leave no digit, which are not compared. Names: f, ln f, p (of each technique), ln p, w of all
-    (the weight of each), Σ w, w and w f/(n p) (what the integrator itself computed), f/p, and
-    P(emitter), the choice of emitters, absolute.
+    `at`, which it is; `loosest`, the largest of all bounds; `numbers`, how many there are;
+    `beyond`, of how many of them rounding may leave no digit, which are not compared. Names: f,
+    ln f, p (of each technique), ln p, w of all (the weight of each), Σ w, w and w f/(n p) (what the
+    integrator itself computed), f/p, and P(emitter), the choice of emitters, absolute.
 skipped
     paths that cannot be evaluated, by the reason.
 holds
@@ -43,7 +43,12 @@ def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
     parser = argparse.ArgumentParser(prog="python -m pathspace.stability.exact")
     parser.add_argument("logs", nargs="+", type=Path, metavar="LOG.jsonl")
-    parser.add_argument("--scene-json", required=True, type=Path, metavar="SCENE.json")
+    parser.add_argument(
+        "--scene-json",
+        type=Path,
+        metavar="SCENE.json",
+        help="of all logs; default: beside each log, with its name and the ending .json",
+    )
     parser.add_argument(
         "--light-selection",
         choices=("power", "uniform"),
@@ -52,9 +57,10 @@ def main(arguments: list[str] | None = None) -> int:
     )
     options = parser.parse_args(arguments)
     try:
-        scene = read(options.scene_json, lambda text: Scene.of(json.loads(text)))
         holds = True
         for log in options.logs:
+            parameters = options.scene_json or log.with_suffix(".json")
+            scene = read(parameters, lambda text: Scene.of(json.loads(text)))
             lines = read(log, lambda text: [json.loads(line) for line in text.splitlines()])
             record = evaluate(log, lines, scene, uniform=options.light_selection == "uniform")
             print(json.dumps(record, ensure_ascii=False), flush=True)

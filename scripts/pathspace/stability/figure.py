@@ -4,8 +4,9 @@
 
 A row is a case, a column of cells one value of its parameter, from tame to extreme, and there is a
 panel for each method. The value stands in its cell. Colour and hatching say the verdict; all but
-`holds` have a letter in the corner besides, so that nothing depends on colour. DIR is the folder
-with stability.csv; without -o, stability.png and stability.svg are written there.
+`holds` have a letter besides, so that nothing depends on colour. Cases that are tried without any
+integrator have a part of their own at the bottom. DIR is the folder with stability.csv; without -o,
+stability.png and stability.svg are written there.
 """
 
 import argparse
@@ -21,9 +22,9 @@ from matplotlib.patches import Rectangle
 
 from pathspace.panels import PlotError, save
 
-from .table import Row, Table, read_table
+from .table import ALONE, Row, Table, read_table
 
-CELL_WIDTH, CELL_HEIGHT = 0.36, 0.2
+CELL_WIDTH, CELL_HEIGHT = 0.41, 0.2
 """Of a cell [inch]."""
 GAP = 0.18
 """Between panels [inch]."""
@@ -31,6 +32,8 @@ TOP, BOTTOM = 0.95, 0.62
 """For titles and for the legend [inch]."""
 LETTER_WIDTH = 0.062
 """Of the names' letters on the average [inch]."""
+HEAD = 0.5
+"""For the titles of a further part [inch]."""
 GROUP = 0.85
 """Height of a group's title [cells]."""
 
@@ -62,20 +65,26 @@ LOOKS = {
 
 def plot(table: Table) -> Figure:
     """Draw all methods."""
+    parts = table.parts()
     names = max(len(label(row)) for row in table.rows) * LETTER_WIDTH + 0.15
     panel = table.width * CELL_WIDTH
-    groups = len({row.group for row in table.rows})
-    height = (len(table.rows) + GROUP * groups) * CELL_HEIGHT
-    count = len(table.methods)
-    width = max(names + count * (panel + GAP) + 0.1, 7.5)
-    size = width, TOP + height + BOTTOM
+    count = max(len(part.methods) for part in parts)
+    heights = [
+        (len(part.rows) + GROUP * len({row.group for row in part.rows})) * CELL_HEIGHT
+        for part in parts
+    ]
+    size = (
+        max(names + count * (panel + GAP) + 0.1, 7.5),
+        TOP + sum(heights) + HEAD * (len(parts) - 1) + BOTTOM,
+    )
     figure = Figure(figsize=size)
-    for i, method in enumerate(table.methods):
-        left = names + i * (panel + GAP)
-        axes = figure.add_axes(
-            (left / size[0], BOTTOM / size[1], panel / size[0], height / size[1])
-        )
-        draw_panel(axes, table, method, labelled=i == 0)
+    below = size[1] - TOP
+    for part, height in zip(parts, heights, strict=True):
+        for i, method in enumerate(part.methods):
+            left = names + i * (panel + GAP)
+            place = left / size[0], (below - height) / size[1], panel / size[0], height / size[1]
+            draw_panel(figure.add_axes(place), part, method, table.width, labelled=i == 0)
+        below -= height + HEAD
     figure.text(
         0.1 / size[0],
         1 - 0.12 / size[1],
@@ -94,7 +103,7 @@ def label(row: Row) -> str:
     return row.case if same else f"{row.case} · {row.parameter}"
 
 
-def draw_panel(axes: Axes, table: Table, method: str, *, labelled: bool) -> None:
+def draw_panel(axes: Axes, table: Table, method: str, width: int, *, labelled: bool) -> None:
     """Draw the cells of a method."""
     axes.set_axis_off()
     y, group = 0.0, None
@@ -102,7 +111,7 @@ def draw_panel(axes: Axes, table: Table, method: str, *, labelled: bool) -> None
         if row.group != group:
             group = row.group
             y += GROUP
-            axes.plot([0, table.width], [y - 0.06] * 2, color="0.55", linewidth=0.6, clip_on=False)
+            axes.plot([0, width], [y - 0.06] * 2, color="0.55", linewidth=0.6, clip_on=False)
             if labelled:
                 axes.text(-0.2, y - 0.12, group, fontsize=8.5, fontweight="bold", ha="right")
         for x, value in enumerate(row.values):
@@ -112,7 +121,7 @@ def draw_panel(axes: Axes, table: Table, method: str, *, labelled: bool) -> None
         if labelled:
             axes.text(-0.2, y + 0.5, label(row), fontsize=7.5, ha="right", va="center")
         y += 1
-    axes.set_xlim(0, table.width)
+    axes.set_xlim(0, width)
     axes.set_ylim(y, 0)
     counts = table.counts(method)
     holds, fails = counts.get("holds", 0), counts.get("fails", 0)
@@ -123,6 +132,8 @@ def draw_panel(axes: Axes, table: Table, method: str, *, labelled: bool) -> None
 
 def title(method: str) -> str:
     """Break the name of a method that is longer than its panel."""
+    if method == ALONE:
+        return "without an integrator"
     return method.replace(":", ":\n", 1) if len(method) > 16 else method
 
 

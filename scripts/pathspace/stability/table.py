@@ -10,6 +10,9 @@ from pathspace.panels import PlotError
 SCHEMA = "1"
 VERDICTS = ("holds", "noise", "blind", "slow", "beyond", "fails", "missing")
 
+ALONE = "core"
+"""The method of what needs no integrator."""
+
 
 @dataclass(frozen=True)
 class Row:
@@ -36,6 +39,18 @@ class Table:
     def width(self) -> int:
         """The largest number of values of a case."""
         return max(len(row.values) for row in self.rows)
+
+    def parts(self) -> list["Table"]:
+        """Return the cases of integrators, and those of none where no case has both."""
+        key_methods: dict[tuple[str, str], set[str]] = {}
+        for group, case, _, method in self.verdicts:
+            key_methods.setdefault((group, case), set()).add(method)
+        alone = tuple(row for row in self.rows if key_methods[row.group, row.case] == {ALONE})
+        others = tuple(row for row in self.rows if row not in alone)
+        if not alone or not others or any(ALONE in key_methods[r.group, r.case] for r in others):
+            return [self]
+        methods = tuple(method for method in self.methods if method != ALONE)
+        return [Table(others, methods, self.verdicts), Table(alone, (ALONE,), self.verdicts)]
 
     def counts(self, method: str) -> dict[str, int]:
         """Count the verdicts of a method."""

@@ -172,12 +172,15 @@ def survives(
         return CERTAIN
     if kind == "fixed":
         return Uncertain(mp.mpf(rules["survival"]))
-    weights, most = (
-        (scattering.energy(side), ONE) if kind == "local" else (throughput, mp.mpf(0.95))
-    )
+    weights, most = scattering.energy(side) if kind == "local" else throughput, cap(rules, edges)
     largest = max(weights, key=lambda weight: weight.value)
     # At the limit either side of it may be meant.
     return largest if largest.value < most else Uncertain(most, largest.own, largest.moved)
+
+
+def cap(rules: dict[str, Any], edges: int) -> Number:
+    """Return the largest probability of going on, (n/(n+1))^(5/2) after n edges of long walks."""
+    return ONE if edges < rules["long"] else (mp.mpf(edges) / (edges + 1)) ** mp.mpf(2.5)
 
 
 class Scattering:

@@ -210,7 +210,7 @@ impl EmitterKind {
     fn new(scene: &Scene, emitter: &Emitter) -> Self {
         match emitter {
             Emitter::Mesh(mesh) => constant(&mesh.radiance).map_or(Self::Other, |radiance| {
-                let corners = |&id: &PrimitiveId| scene.accel().triangle(id).corners().map(|c| c.to_array());
+                let corners = |&id: &PrimitiveId| scene.accel().triangle(id).corners.map(|c| c.to_array());
                 Self::Mesh { radiance, triangles: mesh.triangles.iter().map(corners).collect() }
             }),
             Emitter::Shape(ShapeEmitter { radiance, primitive, .. }) => {

@@ -5,11 +5,13 @@
 //! a surface that the origin lies on is excluded by its identity.
 
 mod analytic;
+mod block;
 mod cylinder;
 mod disk;
 mod sphere;
 mod tree;
 mod triangle;
+mod watertight;
 
 use glam::DVec3;
 use smallvec::SmallVec;
@@ -17,12 +19,13 @@ use smallvec::SmallVec;
 use crate::geometry::{Bounds, Ray};
 
 pub use analytic::{AnalyticShape, ShapePoint};
+use block::{Block, LANES, Line};
 pub use cylinder::CylinderShape;
 pub use disk::DiskShape;
 pub use sphere::SphereShape;
 use tree::{Leaves, Tree};
 pub use triangle::Triangle;
-use triangle::{Block, LANES, Line, ShearedRay, TriangleHit};
+use watertight::{LeafRay, TriangleHit};
 
 /// A triangle or an analytic shape of the scene: triangles first, in the order of the BVH's leaves, then the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -59,7 +62,9 @@ pub struct Accel {
     extent: f64,
     /// One for each leaf of the triangles' tree. A triangle's id is the number of its lane among all lanes.
     blocks: Vec<Block>,
-    /// The shapes of the triangles, by id; of unused lanes, none.
+    /// The corners of the triangles, by id; of unused lanes, zero.
+    triangle_corners: Vec<[DVec3; 3]>,
+    /// Their shapes, by id; of unused lanes, none.
     triangle_shapes: Vec<u32>,
     /// Their unit normals, by id.
     triangle_normals: Vec<DVec3>,
@@ -92,6 +97,7 @@ impl Accel {
         let mut accel = Self {
             extent: 0.0,
             blocks: Vec::with_capacity(leaves.len()),
+            triangle_corners: Vec::with_capacity(slots),
             triangle_shapes: Vec::with_capacity(slots),
             triangle_normals: Vec::with_capacity(slots),
             analytic: Vec::with_capacity(analytic.len()),
@@ -101,7 +107,7 @@ impl Accel {
         };
         let mut order = Vec::with_capacity(slots);
         for leaf in leaves.iter() {
-            accel.add_block(leaf.iter().map(|&i| triangle(i)).collect());
+            accel.add_block(&leaf.iter().map(|&i| triangle(i)).collect::<SmallVec<[Triangle; LANES]>>());
             order.extend((0..LANES).map(|lane| leaf.get(lane).copied()));
         }
         for leaf in analytic_leaves.iter() {
@@ -112,15 +118,16 @@ impl Accel {
         (accel, order)
     }
 
-    fn add_block(&mut self, triangles: SmallVec<[Triangle; LANES]>) {
-        let corners = triangles.iter().flat_map(Triangle::corners).map(DVec3::length);
+    fn add_block(&mut self, triangles: &[Triangle]) {
+        let corners = triangles.iter().flat_map(|t| t.corners).map(DVec3::length);
         self.extent = corners.fold(self.extent, f64::max);
         for lane in 0..LANES {
             let triangle = triangles.get(lane);
-            self.triangle_normals.push(triangle.map_or(DVec3::ZERO, |t| t.area_vector().normalize()));
+            self.triangle_corners.push(triangle.map_or([DVec3::ZERO; 3], |t| t.corners));
+            self.triangle_normals.push(triangle.map_or(DVec3::ZERO, Triangle::normal));
             self.triangle_shapes.push(triangle.map_or(u32::MAX, |t| t.shape));
         }
-        self.blocks.push(Block::new(triangles.into_iter()));
+        self.blocks.push(Block::new(triangles));
     }
 
     /// The triangles with their ids.
@@ -160,7 +167,7 @@ impl Accel {
     #[inline]
     pub fn triangle(&self, id: PrimitiveId) -> Triangle {
         let slot = id.0 as usize;
-        Triangle { corners: self.blocks[slot / LANES].corners(slot % LANES), shape: self.triangle_shapes[slot] }
+        Triangle { corners: self.triangle_corners[slot], shape: self.triangle_shapes[slot] }
     }
 
     /// The unit normal of the front of the triangle with this id.
@@ -177,7 +184,7 @@ impl Accel {
         let hit = match &self.triangle_tree {
             None => {
                 let mut nearest = Nearest::none();
-                nearest.update(self, self.all_candidates(&Line::new(ray, self.extent)), &ShearedRay::new(ray), start);
+                nearest.update(self, self.all_candidates(&Line::new(ray, self.extent)), &LeafRay::new(ray), start);
                 nearest.hit()
             }
             Some(tree) => self.closest_in_tree(tree, ray, start),
@@ -187,7 +194,7 @@ impl Accel {
 
     #[inline(never)]
     fn closest_in_tree(&self, tree: &Tree, ray: &Ray, start: PrimitiveId) -> Option<Hit> {
-        let (line, sheared) = (Line::new(ray, self.extent), ShearedRay::new(ray));
+        let (line, sheared) = (Line::new(ray, self.extent), LeafRay::new(ray));
         let mut nearest = Nearest::none();
         tree.visit(ray, f64::MAX, |leaf| {
             nearest.update(self, self.candidates(leaf, &line), &sheared, start);
@@ -238,7 +245,7 @@ impl Accel {
         // Distances are in units of the segment: triangles need no length.
         let segment = Ray { origin: from, direction: to - from };
         let line = Line::new(&segment, self.extent);
-        let sheared = ShearedRay::new(&segment);
+        let sheared = LeafRay::new(&segment);
         let meets = |candidates: Candidates| {
             let mut others = candidates.without(on_from).without(on_to);
             others.any(|id| self.intersect(id, &sheared, 1.0_f64.next_down()).is_some())
@@ -264,9 +271,8 @@ impl Accel {
     }
 
     #[inline(always)]
-    fn intersect(&self, id: PrimitiveId, ray: &ShearedRay, t_max: f64) -> Option<TriangleHit> {
-        let slot = id.0 as usize;
-        self.blocks[slot / LANES].intersect(slot % LANES, ray, t_max)
+    fn intersect(&self, id: PrimitiveId, ray: &LeafRay, t_max: f64) -> Option<TriangleHit> {
+        ray.intersect(&self.triangle_corners[id.0 as usize], t_max)
     }
 
     #[inline(always)]
@@ -296,7 +302,7 @@ impl Nearest {
     }
 
     #[inline(always)]
-    fn update(&mut self, accel: &Accel, candidates: Candidates, ray: &ShearedRay, start: PrimitiveId) {
+    fn update(&mut self, accel: &Accel, candidates: Candidates, ray: &LeafRay, start: PrimitiveId) {
         for primitive in candidates.without(start) {
             if let Some(hit) = accel.intersect(primitive, ray, self.t)
                 && (hit.t < self.t || primitive < self.primitive)

@@ -122,7 +122,7 @@ impl Builder<'_> {
         let triangles = Triangles::new(&self.description.meshes);
         let triangle = |i: u32| {
             let (shape, mesh, local) = triangles.locate(i);
-            let corners = mesh.triangles[local].map(|i| (mesh.positions[i as usize] - centre).as_vec3());
+            let corners = mesh.triangles[local].map(|i| mesh.positions[i as usize] - centre);
             Triangle { corners, shape: shape as u32 }
         };
         let (accel, order) = Accel::build(triangles.count(), triangle, analytic, radius);

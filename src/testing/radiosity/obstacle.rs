@@ -20,11 +20,11 @@ impl Obstacle {
     /// The triangles with some of the scene on either side, by more than `flat` \[m\]: no other can lie between.
     pub fn all(scene: &Scene, flat: f64) -> Vec<Self> {
         let triangles: Vec<_> = scene.accel().triangles().collect();
-        let corners: Vec<DVec3> = triangles.iter().flat_map(|(_, t)| t.corners()).collect();
+        let corners: Vec<DVec3> = triangles.iter().flat_map(|(_, t)| t.corners).collect();
         let candidates = triangles.iter().map(|&(primitive, triangle)| Self {
             primitive,
-            corners: triangle.corners(),
-            plane: Plane::of(&triangle.corners()),
+            corners: triangle.corners,
+            plane: Plane::of(&triangle.corners),
             bounds: triangle.bounds(),
         });
         candidates.filter(|obstacle| obstacle.parts(&corners, flat)).collect()

@@ -71,7 +71,7 @@ impl DiffuseScene {
         let camera = camera.ok_or_else(|| crate::scene::BuildError::NoCamera(description.source.clone()))?;
         let mut facets = Vec::new();
         for (primitive, triangle) in scene.accel().triangles() {
-            let [a, b, c] = triangle.corners();
+            let [a, b, c] = triangle.corners;
             let mesh = triangle.shape as usize;
             let material = &description.materials[description.meshes[mesh].material];
             let BsdfDescription::Diffuse { reflectance: Parameter::Constant(reflectance) } = material.bsdf else {

@@ -20,7 +20,7 @@ const SHORTEST_TAIL: usize = 100;
 
 /// The tail of `P(X > x) ~ x^(−α)`.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TailIndex {
+pub(crate) struct TailIndex {
     /// α; infinite for numbers that are bounded by one that many reach.
     pub alpha: f64,
     /// Its standard error.

@@ -17,6 +17,7 @@ use crate::spectrum::Rgb;
 
 use super::scenes;
 
+pub(super) use convergence::TailIndex;
 pub use parts::{verify_bsdf, verify_parts};
 pub use report::{Check, POWER, Report, SIGNIFICANCE, Verdict};
 

@@ -1,0 +1,117 @@
+//! Runs a method on a scene and watches each pass.
+
+use std::time::Instant;
+
+use crate::estimator::{Control, Integrator};
+use crate::film::{Counters, Film, Moments};
+use crate::scene::Scene;
+use crate::spectrum::Rgb;
+use crate::testing::definition::Comparison;
+
+/// Fewer passes say nothing about their variance.
+pub(super) const FEWEST_PASSES: u64 = 32;
+
+/// Paths longer than this are not compared with the definition: it takes the square of the length, and so do the paths of all
+/// terms of a sample.
+pub(super) const LONGEST: u32 = 16;
+
+/// So many terms are compared with the definition.
+const TERMS: usize = 200;
+
+/// Samples that are drawn again for that.
+const REPLAYS: u64 = 20;
+
+/// What was drawn.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Measured {
+    /// Mean luminance of each pass.
+    pub passes: Vec<f64>,
+    /// Luminance of each pixel of each pass that is not black.
+    pub values: Vec<f64>,
+    /// Pixels of the film.
+    pub pixels: u64,
+    pub counters: Counters,
+    /// Of one thread \[s\].
+    pub seconds: f64,
+    /// Deviations of the weights' sum and of the terms, where there is a definition of these paths.
+    pub definition: Option<(f64, f64)>,
+}
+
+impl Measured {
+    /// Draws passes until they have taken so many rays, or `stop` is told.
+    pub fn new(integrator: &dyn Integrator, scene: &Scene, seed: u64, rays: u64, stop: &dyn Fn() -> bool) -> Self {
+        let size = scene.sensor().film();
+        let mut film = Film::new(size.width, size.height, None).expect("stages have pixels");
+        let mut watch = Watch { rays, stop, before: Vec::new(), measured: Self::default() };
+        let start = Instant::now();
+        integrator.render(scene, seed, &mut film, &mut watch);
+        let mut measured = watch.measured;
+        measured.seconds = start.elapsed().as_secs_f64();
+        measured.pixels = u64::from(size.width) * u64::from(size.height);
+        measured.counters = film.counters.clone();
+        // Differences of sums leave a trace of rounding in pixels that were black.
+        let threshold = 1e-9 * measured.values.iter().copied().fold(0.0, f64::max);
+        measured.values.retain(|&value| value > threshold);
+        measured
+    }
+
+    /// Over passes.
+    pub fn moments(&self) -> Moments {
+        let mut moments = Moments::default();
+        self.passes.iter().for_each(|&pass| moments.push(pass));
+        moments
+    }
+
+    pub fn samples(&self) -> u64 {
+        self.passes.len() as u64 * self.pixels
+    }
+
+    pub fn rays_per_sample(&self) -> f64 {
+        self.counters.rays as f64 / self.samples().max(1) as f64
+    }
+}
+
+struct Watch<'a> {
+    rays: u64,
+    stop: &'a dyn Fn() -> bool,
+    /// Sum of each pixel before the last pass.
+    before: Vec<Rgb>,
+    measured: Measured,
+}
+
+impl Control for Watch<'_> {
+    fn next_passes(&mut self, film: &Film) -> u64 {
+        let passes = film.passes();
+        if passes > 0 {
+            let sums: Vec<Rgb> = film.mean_image().pixels.iter().map(|&mean| mean * passes as f64).collect();
+            self.before.resize(sums.len(), Rgb::BLACK);
+            let values = sums.iter().zip(&self.before).map(|(&now, &before)| (now - before).luminance());
+            let first = self.measured.values.len();
+            self.measured.values.extend(values);
+            let pass = &self.measured.values[first..];
+            self.measured.passes.push(pass.iter().sum::<f64>() / pass.len() as f64);
+            self.before = sums;
+        }
+        let enough = passes >= FEWEST_PASSES && film.counters.rays >= self.rays;
+        u64::from(!(enough || (self.stop)()))
+    }
+}
+
+/// Compares the first terms of an integrator, of paths of at most [`LONGEST`] edges, with the definition: the largest deviations
+/// of the weights' sum and of a term.
+pub(super) fn definition(integrator: &dyn Integrator, scene: &Scene, seed: u64) -> Option<(f64, f64)> {
+    let combination = integrator.definition(LONGEST)?;
+    let mut comparison = Comparison::default();
+    let size = scene.sensor().film();
+    let pixels = (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
+    let keys = (0..).flat_map(|sample| pixels.clone().map(move |pixel| crate::film::ReplayKey { seed, sample, pixel }));
+    for key in keys.take(REPLAYS as usize) {
+        for term in integrator.replay(scene, key) {
+            if comparison.terms < TERMS {
+                let _ = comparison.add(&combination, scene, &term);
+            }
+        }
+    }
+    let deviation = comparison.value.0.max(comparison.weight.0);
+    (comparison.terms > 0).then_some((comparison.partition, deviation))
+}

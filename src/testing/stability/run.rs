@@ -1,0 +1,302 @@
+//! Runs cases by methods.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+use crate::estimator::{Integrator, Registry, RegistryError};
+use crate::film::Moments;
+use crate::scene::{LightSelection, Scene, SceneOptions};
+
+use super::Effort;
+use super::case::{Case, Stage, Subject, Truth};
+use super::cell::{Cell, Verdict};
+use super::judge::{Sampled, judge, too_rare};
+use super::measure::{FEWEST_PASSES, LONGEST, Measured, definition};
+use super::place::blank;
+
+/// A cell that is expected to take this many times the rays of others is left out.
+const TOO_LONG: f64 = 30.0;
+
+/// Rays grow with the parameter where their exponent is larger than this.
+const GROWS: f64 = 0.3;
+
+/// For what rays do not tell: the time for a cell, with the effort of a quick run.
+const TIME_LIMIT: Duration = Duration::from_secs(60);
+
+/// What a method is called where there is none.
+const CORE: &str = "core";
+
+/// How far a run is.
+#[derive(Clone, Copy, Debug)]
+pub struct Progress<'a> {
+    /// Cases that are finished.
+    pub done: usize,
+    /// All cases.
+    pub of: usize,
+    /// The cells of the one that has just been finished.
+    pub cells: &'a [Cell],
+}
+
+/// The settings of a run.
+pub struct Run<'a> {
+    /// Where integrators come from.
+    pub registry: &'a Registry,
+    /// Integrators with their settings.
+    pub methods: &'a [String],
+    /// What is looked at.
+    pub cases: &'a [Case],
+    /// How much is drawn.
+    pub effort: Effort,
+    /// Cases at a time; each is run by one thread.
+    pub threads: usize,
+}
+
+impl Run<'_> {
+    /// The cells of all cases in their order, or of those that were finished when `stop` was told.
+    ///
+    /// # Errors
+    /// Where the registry does not know a method.
+    pub fn cells(
+        &self,
+        stop: &(dyn Fn() -> bool + Sync),
+        told: &(dyn Fn(Progress<'_>) + Sync),
+    ) -> Result<Vec<Cell>, RegistryError> {
+        self.methods.iter().try_for_each(|label| self.registry.build(label, &[]).map(|_| ()))?;
+        let (next, done) = (AtomicUsize::new(0), AtomicUsize::new(0));
+        let finished: Mutex<Vec<Option<Vec<Cell>>>> = Mutex::new(vec![None; self.cases.len()]);
+        let work = || {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().ok();
+            loop {
+                let index = next.fetch_add(1, Ordering::Relaxed);
+                let Some(case) = self.cases.get(index).filter(|_| !stop()) else { return };
+                let cells = match &pool {
+                    Some(pool) => pool.install(|| self.case(case, stop)),
+                    None => self.case(case, stop),
+                };
+                if stop() {
+                    return;
+                }
+                told(Progress { done: done.fetch_add(1, Ordering::Relaxed) + 1, of: self.cases.len(), cells: &cells });
+                finished.lock().unwrap_or_else(PoisonError::into_inner)[index] = Some(cells);
+            }
+        };
+        std::thread::scope(|scope| (0..self.threads.max(1)).for_each(|_| drop(scope.spawn(work))));
+        let finished = finished.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(finished.into_iter().flatten().flatten().collect())
+    }
+
+    /// All cells of these cases: what the significance is shared by.
+    #[must_use]
+    pub fn tests(&self) -> usize {
+        self.cases.iter().map(|case| self.effort.values(case).len()).sum::<usize>() * self.methods.len().max(1)
+    }
+
+    fn case(&self, case: &Case, stop: &(dyn Fn() -> bool + Sync)) -> Vec<Cell> {
+        let values = self.effort.values(case);
+        match case.subject {
+            Subject::Number(compute) => values.into_iter().map(|value| number(case, value, compute)).collect(),
+            // Evaluated elsewhere.
+            Subject::Journal(_) => Vec::new(),
+            Subject::Scene(stage) => {
+                let mut sweeps: Vec<Sweep> = self.methods.iter().map(|label| Sweep::new(label)).collect();
+                for value in values {
+                    if stop() {
+                        break;
+                    }
+                    self.value(case, value, stage, &mut sweeps, stop);
+                }
+                sweeps.into_iter().flat_map(|sweep| sweep.cells).collect()
+            }
+        }
+    }
+
+    /// Adds a cell to each sweep.
+    fn value(
+        &self,
+        case: &Case,
+        value: f64,
+        stage: fn(f64) -> Stage,
+        sweeps: &mut [Sweep],
+        stop: &(dyn Fn() -> bool + Sync),
+    ) {
+        let stage = stage(value);
+        let options = SceneOptions { film: None, light_selection: LightSelection::Power };
+        let scene = match Scene::build(&stage.scene, options) {
+            Ok((scene, _)) => scene,
+            Err(error) => {
+                for sweep in sweeps {
+                    let cell = blank(case, value, &sweep.label);
+                    let details = error.to_string();
+                    sweep.cells.push(beyond(case, Cell { verdict: Verdict::Missing, details, ..cell }));
+                }
+                return;
+            }
+        };
+        for sweep in sweeps.iter_mut() {
+            let cell = match self.registry.build(&sweep.label, &[]) {
+                Ok(method) => {
+                    let cell = || sweep.cell(case, value, &stage, &scene, method.integrator.as_ref(), self, stop);
+                    catch_unwind(AssertUnwindSafe(cell)).unwrap_or_else(|_| {
+                        let details = "it panicked".to_owned();
+                        Cell { verdict: Verdict::Fails, details, ..blank(case, value, &sweep.label) }
+                    })
+                }
+                Err(error) => {
+                    let details = error.to_string();
+                    Cell { verdict: Verdict::Missing, details, ..blank(case, value, &sweep.label) }
+                }
+            };
+            sweep.cells.push(beyond(case, cell));
+        }
+        let mut last: Vec<&mut Cell> = sweeps.iter_mut().filter_map(|sweep| sweep.cells.last_mut()).collect();
+        let found = last.iter().any(|cell| cell.verdict == Verdict::Holds);
+        if found && !stage.alike && value != case.values[0] {
+            last.iter_mut().for_each(|cell| too_rare(cell));
+        }
+    }
+}
+
+/// A cell that does not hold where nothing can says so. Values that cannot be right are no excuse.
+#[must_use]
+pub fn beyond(case: &Case, cell: Cell) -> Cell {
+    let impossible = cell.invalid.unwrap_or(0) + cell.negative.unwrap_or(0) > 0 || cell.details.contains("panic");
+    match case.limit {
+        Some(limit) if cell.is_bad() && case.is_beyond(cell.value) && !impossible => {
+            Cell { verdict: Verdict::Beyond, details: format!("{}: {}", limit.why, cell.details), ..cell }
+        }
+        _ => cell,
+    }
+}
+
+/// A case by a method.
+struct Sweep {
+    label: String,
+    cells: Vec<Cell>,
+    /// Passes of the tame value.
+    tame: Vec<f64>,
+    /// Values and their rays per sample.
+    rays: Vec<(f64, f64)>,
+}
+
+impl Sweep {
+    fn new(label: &str) -> Self {
+        Self { label: label.to_owned(), cells: Vec::new(), tame: Vec::new(), rays: Vec::new() }
+    }
+
+    #[allow(clippy::too_many_arguments, reason = "all that a cell is made of")]
+    fn cell(
+        &mut self,
+        case: &Case,
+        value: f64,
+        stage: &Stage,
+        scene: &Scene,
+        integrator: &dyn Integrator,
+        run: &Run<'_>,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Cell {
+        let cell = blank(case, value, &self.label);
+        let blind = integrator.supports(scene).err().or_else(|| integrator.misses(scene));
+        if let Some(details) = blind {
+            return Cell { verdict: Verdict::Blind, details, ..cell };
+        }
+        let size = scene.sensor().film();
+        let fewest = FEWEST_PASSES as f64 * f64::from(size.width) * f64::from(size.height);
+        if let Some((expected, exponent)) = self.expected_rays(value)
+            && expected * fewest > TOO_LONG * run.effort.rays as f64
+        {
+            let details =
+                format!("rays of a sample grow as {}^{exponent:+.1}: {expected:.0e} expected", case.parameter);
+            return Cell { verdict: Verdict::Slow, details, ..cell };
+        }
+        let limit = TIME_LIMIT.mul_f64(run.effort.rays as f64 / Effort::QUICK.rays as f64);
+        let start = Instant::now();
+        let ends = || stop() || start.elapsed() > limit;
+        let mut measured = Measured::new(integrator, scene, run.effort.seed, run.effort.rays, &ends);
+        let short = run.registry.build(&self.label, &[("max_length", LONGEST.to_string())]);
+        measured.definition =
+            short.ok().and_then(|short| definition(short.integrator.as_ref(), scene, run.effort.seed));
+        self.rays.push((value, measured.rays_per_sample()));
+        let cell = self.measured(cell, stage, &measured, run.tests());
+        if (measured.passes.len() as u64) < FEWEST_PASSES {
+            let details = format!("{} passes took {:.0} s", measured.passes.len(), measured.seconds);
+            return Cell { verdict: Verdict::Slow, details, ..cell };
+        }
+        cell
+    }
+
+    fn measured(&mut self, mut cell: Cell, stage: &Stage, measured: &Measured, tests: usize) -> Cell {
+        if self.tame.is_empty() {
+            self.tame.clone_from(&measured.passes);
+        }
+        let paired = matches!(stage.truth, Truth::Tame(_));
+        let largest = measured.values.iter().copied().fold(0.0, f64::max);
+        let mut sampled = Sampled {
+            estimates: measured.moments(),
+            values: (!paired).then(|| measured.values.clone()),
+            largest,
+            draws: measured.samples(),
+            tolerance: stage.tolerance,
+            paired,
+            alike: stage.alike,
+            invalid: measured.counters.invalid,
+            negative: measured.counters.negative,
+            definition: measured.definition,
+            ..Sampled::default()
+        };
+        let pairs = |factor: f64| measured.passes.iter().zip(&self.tame).map(move |(a, b)| a - factor * b);
+        match stage.truth {
+            Truth::Value(value) => {
+                sampled.errors = Moments { mean: sampled.estimates.mean - value, ..sampled.estimates };
+                cell.truth = Some(value);
+            }
+            Truth::Tame(factor) => {
+                pairs(factor).for_each(|error| sampled.errors.push(error));
+                (sampled.largest, sampled.draws) = (sampled.errors.largest, sampled.errors.count);
+                cell.truth = Some(factor * self.tame.iter().sum::<f64>() / self.tame.len() as f64);
+            }
+        }
+        let samples = measured.samples();
+        let mean = sampled.estimates.mean;
+        let variance = sampled.estimates.variance() * measured.pixels as f64 / (mean * mean);
+        judge(&mut cell, sampled, tests);
+        cell.passes = Some(measured.passes.len() as u64);
+        cell.samples = Some(samples);
+        cell.variance = Some(variance).filter(|variance| variance.is_finite());
+        cell.firefly = (mean > 0.0).then(|| largest / mean);
+        cell.seconds_per_sample = Some(measured.seconds / samples.max(1) as f64);
+        cell.rays_per_sample = Some(measured.rays_per_sample());
+        let tame = self.cells.first().unwrap_or(&cell).clone();
+        let growth = |now: Option<f64>, tame: Option<f64>| now.zip(tame).map(|(now, tame)| now / tame);
+        cell.variance_growth = growth(cell.variance, tame.variance).filter(|growth| growth.is_finite());
+        cell.time_growth = growth(cell.seconds_per_sample, tame.seconds_per_sample);
+        cell
+    }
+
+    /// Rays of a sample as the last two values foretell, with the exponent of the parameter.
+    fn expected_rays(&self, value: f64) -> Option<(f64, f64)> {
+        let [.., (first, rays), (last, more)] = self.rays[..] else { return None };
+        let exponent = libm::log(more / rays) / libm::log(last / first);
+        let grows = exponent.is_finite() && exponent.abs() > GROWS && more > rays;
+        grows.then(|| (more * libm::pow(value / last, exponent), exponent))
+    }
+}
+
+/// A number that needs no method.
+fn number(case: &Case, value: f64, compute: fn(f64) -> super::Exact) -> Cell {
+    let exact = compute(value);
+    let scale = if exact.truth == 0.0 { 1.0 } else { exact.truth.abs() };
+    let difference = (exact.estimate - exact.truth) / scale;
+    let holds = difference.abs() <= exact.tolerance;
+    let cell = Cell {
+        verdict: if holds { Verdict::Holds } else { Verdict::Fails },
+        estimate: Some(exact.estimate),
+        truth: Some(exact.truth),
+        difference: Some(difference),
+        detectable: Some(exact.tolerance),
+        details: if holds { String::new() } else { format!("off by {difference:.1e}") },
+        ..blank(case, value, CORE)
+    };
+    beyond(case, cell)
+}
