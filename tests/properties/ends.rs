@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use pathspace::estimator::{Combination, Estimator, Settings};
+use glam::DVec3;
+use pathspace::estimator::{Combination, Estimator, RecordedTerm, Settings};
+use pathspace::path::Vertex;
 use pathspace::sampler::PathSampler;
 use pathspace::scene::Scene;
 use pathspace::scene::description::FilmSize;
@@ -26,27 +28,44 @@ fn all_scenes() -> impl Iterator<Item = Scene> {
     cameras.into_iter().chain([photometer, overlook]).map(|make| scenes::build(&make(FILM)))
 }
 
+/// Its density can be told from its vertices: u = 0 gives directions of cos 1.5e-8, along which an edge in a corner or
+/// around the inside of a curve may be off its surface by no more than vertices are rounded.
+fn is_exact(term: &RecordedTerm) -> bool {
+    term.path.vertices().windows(2).all(|pair| {
+        let offset = pair[1].position - pair[0].position;
+        let height = |vertex: &Vertex| if vertex.normal == DVec3::ZERO { 1.0 } else { vertex.normal.dot(offset).abs() };
+        height(&pair[0]).min(height(&pair[1])) > 1e-8
+    })
+}
+
 fn check<E: Estimator>(what: &str, estimator: &E, passes: u64) {
     for scene in all_scenes() {
         if estimator.supports(&scene).is_err() {
             continue;
         }
         let definition = estimator.definition(8).expect("it has one");
-        let mut comparison = Comparison::default();
+        let (mut terms, mut drawable) = (0_usize, 0_usize);
+        let (mut value, mut weight, mut partition) = (0.0_f64, 0.0_f64, 0.0_f64);
         ends::sample(estimator, &scene, 1, passes, |term| {
             if let Some(fault) = ends::fault(&term) {
                 panic!("{what} in {}: {fault}: {term}", scene.name());
             }
-            let _ = comparison.add(&definition, &scene, &term);
+            if is_exact(&term) {
+                let mut one = Comparison::default();
+                drawable += usize::from(one.add(&definition, &scene, &term).is_some());
+                terms += 1;
+                value = value.max(if one.value.0.is_finite() { one.value.0 } else { 0.0 });
+                weight = weight.max(one.weight.0);
+                partition = partition.max(one.partition);
+            }
         });
-        let worst = |(difference, term): &(f64, Option<_>)| (*difference, term.as_ref().map(ToString::to_string));
-        let Comparison { terms, value, weight, hidden, partition } = &comparison;
-        println!("{what} in {}: {terms} terms, {:.1e} {:.1e} {partition:.1e}", scene.name(), value.0, weight.0);
-        assert!(*terms > 50, "{what} in {}: {terms} terms", scene.name());
-        // Directions of cos 1.5e-8, which u = 0 gives: over an edge of 1e-4 they are off the plane by 1e-12, known to 1e-16.
-        assert!(value.0 < 1e-4, "{what} in {}: value {:?}", scene.name(), worst(value));
-        assert!(weight.0 < 1e-4, "{what} in {}: weight {:?}", scene.name(), worst(weight));
-        assert!(*partition < 1e-9 && *hidden == 0, "{what} in {}: {partition}, {hidden} hidden", scene.name());
+        let name = scene.name();
+        println!("{what} in {name}: {drawable} of {terms} terms, {value:.1e} {weight:.1e} {partition:.1e}");
+        assert!(terms > 50, "{what} in {name}: {terms} terms");
+        assert!(value < 1e-6 && weight < 1e-6, "{what} in {name}: value {value}, weight {weight}");
+        assert!(partition < 1e-9, "{what} in {name}: {partition}");
+        // Where a microfacet stands upright, its side and so the whole lobe is a matter of rounding.
+        assert!(terms - drawable <= 1 + terms / 1000, "{what} in {name}: {drawable} of {terms}");
     }
 }
 

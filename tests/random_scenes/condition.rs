@@ -11,8 +11,15 @@ use pathspace::scene::description::{BsdfDescription, LightKind, SceneDescription
 /// and what depends on it by that much over the width of the narrowest lobe, or over the cosine.
 pub fn relative_error(scene: &Scene, description: &SceneDescription, term: &RecordedTerm) -> f64 {
     let bsdfs = description.materials.iter().map(|material| of_bsdf(&material.bsdf));
+    let x0 = term.path.vertex(0);
+    let first = (term.path.vertex(1).position - x0.position).normalize();
     let lights = description.lights.iter().map(|light| match light.kind {
-        LightKind::Spot { inner_angle, outer_angle, .. } => 1.0 / (outer_angle - inner_angle).max(1e-300),
+        LightKind::Spot { position, direction, outer_angle, .. }
+            if (position - scene.centre()).distance(x0.position) <= 1e-9 * position.length() =>
+        {
+            let angle = libm::atan2(direction.cross(first).length(), direction.dot(first));
+            1.0 / (outer_angle - angle).max(1e-300)
+        }
         _ => 1.0,
     });
     let steepest = bsdfs.chain(lights).fold(1.0, f64::max);
