@@ -42,7 +42,7 @@ pub struct Effort {
 
 impl Effort {
     /// Minutes on one core.
-    pub const QUICK: Self = Self { rays: 1_500_000, passes: 32, all_values: false, seed: 1 };
+    pub const QUICK: Self = Self { rays: 1_000_000, passes: 32, all_values: false, seed: 1 };
     /// An hour.
     pub const FULL: Self = Self { rays: 8_000_000, passes: 2048, all_values: true, seed: 1 };
 

@@ -15,11 +15,11 @@ use super::measure::{LONGEST, Measured, definition};
 use super::place::blank;
 use super::run::Run;
 
-/// Rays grow with the parameter where their exponent is larger than this.
-const GROWS: f64 = 0.3;
+/// Exponents of rays over the parameter that make a law: below, nothing grows; above, it is a jump.
+const GROWS: std::ops::Range<f64> = 0.3..3.0;
 
-/// A pass of so many rays is not even tried where they have grown by the same law twice.
-const TRIED: f64 = 1e10;
+/// For each pass of a cell: where so many rays are foretold for the first one, it is not even tried.
+const TRIED: f64 = 3e6;
 
 /// For what rays do not tell: the time for a cell, with the effort of a quick run.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
@@ -57,7 +57,7 @@ impl Sweep {
             return Cell { verdict: Verdict::Blind, details, ..cell };
         }
         if let Some((expected, law)) = self.expected_rays(case, value)
-            && expected * f64::from(FILM.width * FILM.height) > TRIED
+            && expected * f64::from(FILM.width * FILM.height) > TRIED * run.effort.passes as f64
         {
             return Cell {
                 verdict: Verdict::Slow,
@@ -133,17 +133,17 @@ impl Sweep {
 
     /// The exponent of rays over the parameter between the last two values, in numbers and in words.
     fn law(&self, case: &Case) -> Option<(f64, String)> {
-        let exponent = exponent(&self.rays).filter(|exponent| exponent.abs() > GROWS)?;
+        let exponent = exponent(&self.rays).filter(|exponent| GROWS.contains(&exponent.abs()))?;
         Some((exponent, format!(", growing as ({})^{exponent:.1}", case.parameter)))
     }
 
-    /// Rays of a sample, and the law that foretells them, where they have followed it twice.
+    /// Rays of a sample, and the law that foretells them, where nothing speaks against it.
     fn expected_rays(&self, case: &Case, value: f64) -> Option<(f64, String)> {
-        let (exponent_now, law) = self.law(case)?;
+        let (now, law) = self.law(case)?;
         let &(last, rays) = self.rays.last()?;
-        let exponent_before = exponent(&self.rays[..self.rays.len() - 1])?;
-        let steady = (0.5..2.0).contains(&(exponent_now / exponent_before));
-        steady.then(|| (rays * libm::pow(value / last, exponent_now), law))
+        let before = exponent(&self.rays[..self.rays.len() - 1]);
+        let steady = before.is_none_or(|before| (0.5..2.0).contains(&(now / before)));
+        steady.then(|| (rays * libm::pow(value / last, now), law))
     }
 }
 
