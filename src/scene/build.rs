@@ -26,7 +26,7 @@ use super::sensor::{self, Sensor};
 use super::{Scene, SceneDescription, Surfaces};
 
 use emitters::Place;
-use geometry::bounds;
+use geometry::{bounds, boxes, centre};
 
 /// What a user may decide about a scene beyond its file.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -98,14 +98,16 @@ impl Builder<'_> {
         self.check_shapes()?;
         self.check_lights()?;
         let materials = self.description.materials.iter().map(|m| self.material(m)).collect::<Result<Vec<_>, _>>()?;
-        let geometry = bounds(self.description);
+        let boxes = boxes(self.description);
+        let geometry = boxes.iter().copied().fold(Bounds::EMPTY, Bounds::union);
         let camera = sensor::placed(self.camera(geometry)?, geometry);
         let film = self.film(&camera)?;
-        let everything = self.everything(geometry, &camera);
-        let centre = everything.centre();
+        let points = self.points(&camera);
+        self.check_extent(geometry.union(points), &camera)?;
+        let centre = centre(boxes, points);
         let sensor = Sensor::new(&camera, film, self.description.filter, centre);
         let (analytic, placements) = self.analytic(centre);
-        let (accel, normals, order) = self.geometry(&analytic, centre, everything.radius());
+        let (accel, normals, order) = self.geometry(&analytic, centre);
         let mapping = self.mapping(&accel, &placements, &order, &materials);
         let mut shapes = self.shapes();
         let sphere_radius = self.reach(geometry, &sensor, centre);
@@ -157,15 +159,15 @@ impl Builder<'_> {
         Ok(SurfaceMaterial::new(model, material.two_sided))
     }
 
-    /// Everything that rays start from or end at, at finite distance.
-    fn everything(&self, geometry: Bounds, camera: &SensorDescription) -> Bounds {
+    /// Around the points at finite distance that rays start from or end at.
+    fn points(&self, camera: &SensorDescription) -> Bounds {
         let lights = self.description.lights.iter().filter_map(|light| match light.kind {
             LightKind::Point { position, .. }
             | LightKind::Spot { position, .. }
             | LightKind::Projector { position, .. } => Some(position),
             LightKind::Directional { .. } => None,
         });
-        geometry.union(Bounds::around(lights.chain([camera.position])))
+        Bounds::around(lights.chain([camera.position]))
     }
 
     /// Radius of the sphere around `centre` that stands for infinity: geometry and sensor lie well inside.

@@ -1,16 +1,19 @@
 //! Which surface does a ray meet, and is a segment free.
 //!
 //! Boxes are single precision and padded so that rays in double precision, whose origin and direction are rounded for
-//! the box tests, cannot slip past them. What lies in the leaves is tested in double precision. There is no epsilon:
-//! a surface that the origin lies on is excluded by its identity.
+//! the box tests, cannot slip past them. What lies in the leaves is tested in double precision, all parts of it. There is no
+//! epsilon: a surface that the origin lies on is excluded by its identity.
 
 mod analytic;
 mod block;
 mod cylinder;
 mod disk;
+#[cfg(feature = "plain_intersection")]
+mod plain;
 mod sphere;
 mod tree;
 mod triangle;
+#[cfg_attr(feature = "plain_intersection", allow(dead_code, reason = "the plain one takes its place"))]
 mod watertight;
 
 use glam::DVec3;
@@ -19,13 +22,17 @@ use smallvec::SmallVec;
 use crate::geometry::{Bounds, Ray};
 
 pub use analytic::{AnalyticShape, ShapePoint};
-use block::{Block, LANES, Line};
+use block::{Block, LANES, Line, Reach};
 pub use cylinder::CylinderShape;
 pub use disk::DiskShape;
+#[cfg(feature = "plain_intersection")]
+use plain::LeafRay;
 pub use sphere::SphereShape;
 use tree::{Leaves, Tree};
 pub use triangle::Triangle;
-use watertight::{LeafRay, TriangleHit};
+#[cfg(not(feature = "plain_intersection"))]
+use watertight::LeafRay;
+use watertight::TriangleHit;
 
 /// A triangle or an analytic shape of the scene: triangles first, in the order of the BVH's leaves, then the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -47,6 +54,14 @@ pub struct Hit {
     pub barycentric: [f64; 2],
 }
 
+/// Up to so many triangles keep all digits of their corners: that costs no time, where more of them leave the cache.
+const FEW_TO_ROUND: usize = 1 << 14;
+
+/// A triangle whose corners single precision moves by more than this share of its longest edge looks different, ...
+const SEEN: f64 = 1e-3;
+/// ... and a shape of which more than this share of triangles do.
+const SHARE_SEEN: f64 = 0.01;
+
 /// Up to so many triangles there is no tree: asking all of them is faster.
 const FEW_TRIANGLES: usize = 64;
 /// The same for analytic shapes.
@@ -58,12 +73,11 @@ const SHAPES: usize = 4;
 /// The primitives of a scene and the hierarchies above them.
 #[derive(Debug)]
 pub struct Accel {
-    /// Bounds the distance of the triangles' corners to the origin.
-    extent: f64,
+    reach: Reach,
     /// One for each leaf of the triangles' tree. A triangle's id is the number of its lane among all lanes.
     blocks: Vec<Block>,
-    /// The corners of the triangles, by id; of unused lanes, zero.
-    triangle_corners: Vec<[DVec3; 3]>,
+    /// The corners of the triangles, by id; of unused lanes, zero. Empty where the blocks have them to all digits.
+    exact_corners: Vec<[DVec3; 3]>,
     /// Their shapes, by id; of unused lanes, none.
     triangle_shapes: Vec<u32>,
     /// Their unit normals, by id.
@@ -78,26 +92,28 @@ pub struct Accel {
 
 impl Accel {
     /// Builds the hierarchies over `count` triangles, which `triangle` knows by their positions, and gives each primitive its
-    /// id. `radius` bounds the distance of everything that rays start from to the origin. The second result has the old
-    /// position of each triangle id; `None` where no triangle has it.
+    /// id. The second result has the old position of each triangle id; `None` where no triangle has it.
     #[must_use]
     pub fn build(
         count: usize,
         triangle: impl Fn(u32) -> Triangle,
         analytic: &[AnalyticShape],
-        radius: f64,
     ) -> (Self, Vec<Option<u32>>) {
-        // Rounding of a ray to f32 moves it by less than 2⁻²² of the scene's size anywhere inside it.
-        let pad = radius * f64::powi(2.0, -19);
-        let boxes = (0..count).map(|i| triangle(i as u32).bounds());
-        let (triangle_tree, leaves) = tree_of_many(boxes, pad, LANES, FEW_TRIANGLES);
+        let exact = count <= FEW_TO_ROUND || rounding_is_seen(count, &triangle);
+        let rounded = |i: u32| {
+            let Triangle { corners, shape } = triangle(i);
+            let corners = corners.map(|corner| if exact { corner } else { corner.as_vec3().as_dvec3() });
+            Triangle { corners, shape }
+        };
+        let boxes = (0..count).map(|i| rounded(i as u32).bounds());
+        let (triangle_tree, leaves) = tree_of_many(boxes, LANES, FEW_TRIANGLES);
         let (analytic_tree, analytic_leaves) =
-            tree_of_many(analytic.iter().map(AnalyticShape::bounds), pad, SHAPES, FEW_SHAPES);
+            tree_of_many(analytic.iter().map(AnalyticShape::bounds), SHAPES, FEW_SHAPES);
         let slots = leaves.len() * LANES;
         let mut accel = Self {
-            extent: 0.0,
+            reach: Reach::default(),
             blocks: Vec::with_capacity(leaves.len()),
-            triangle_corners: Vec::with_capacity(slots),
+            exact_corners: Vec::with_capacity(if exact { slots } else { 0 }),
             triangle_shapes: Vec::with_capacity(slots),
             triangle_normals: Vec::with_capacity(slots),
             analytic: Vec::with_capacity(analytic.len()),
@@ -106,10 +122,14 @@ impl Accel {
             analytic_tree,
         };
         let mut order = Vec::with_capacity(slots);
+        let mut extent = 0.0;
         for leaf in leaves.iter() {
-            accel.add_block(&leaf.iter().map(|&i| triangle(i)).collect::<SmallVec<[Triangle; LANES]>>());
+            let triangles: SmallVec<[Triangle; LANES]> = leaf.iter().map(|&i| rounded(i)).collect();
+            extent = triangles.iter().flat_map(|t| t.corners).map(DVec3::length).fold(extent, f64::max);
+            accel.add_block(&triangles, exact);
             order.extend((0..LANES).map(|lane| leaf.get(lane).copied()));
         }
+        accel.reach = Reach::new(extent, !exact);
         for leaf in analytic_leaves.iter() {
             let first = accel.analytic.len();
             accel.analytic.extend(leaf.iter().map(|&i| analytic[i as usize].clone()));
@@ -118,12 +138,12 @@ impl Accel {
         (accel, order)
     }
 
-    fn add_block(&mut self, triangles: &[Triangle]) {
-        let corners = triangles.iter().flat_map(|t| t.corners).map(DVec3::length);
-        self.extent = corners.fold(self.extent, f64::max);
+    fn add_block(&mut self, triangles: &[Triangle], exact: bool) {
         for lane in 0..LANES {
             let triangle = triangles.get(lane);
-            self.triangle_corners.push(triangle.map_or([DVec3::ZERO; 3], |t| t.corners));
+            if exact {
+                self.exact_corners.push(triangle.map_or([DVec3::ZERO; 3], |t| t.corners));
+            }
             self.triangle_normals.push(triangle.map_or(DVec3::ZERO, Triangle::normal));
             self.triangle_shapes.push(triangle.map_or(u32::MAX, |t| t.shape));
         }
@@ -167,7 +187,11 @@ impl Accel {
     #[inline]
     pub fn triangle(&self, id: PrimitiveId) -> Triangle {
         let slot = id.0 as usize;
-        Triangle { corners: self.triangle_corners[slot], shape: self.triangle_shapes[slot] }
+        let corners = self.exact_corners.get(slot).copied().unwrap_or_else(|| {
+            let corner = |i: usize, axis: usize| self.blocks[slot / LANES].corner(slot % LANES, i, axis);
+            [0, 1, 2].map(|i| DVec3::new(corner(i, 0), corner(i, 1), corner(i, 2)))
+        });
+        Triangle { corners, shape: self.triangle_shapes[slot] }
     }
 
     /// The unit normal of the front of the triangle with this id.
@@ -184,7 +208,7 @@ impl Accel {
         let hit = match &self.triangle_tree {
             None => {
                 let mut nearest = Nearest::none();
-                nearest.update(self, self.all_candidates(&Line::new(ray, self.extent)), &LeafRay::new(ray), start);
+                nearest.update(self, self.all_candidates(&Line::new(ray, self.reach)), &LeafRay::new(ray), start);
                 nearest.hit()
             }
             Some(tree) => self.closest_in_tree(tree, ray, start),
@@ -194,7 +218,7 @@ impl Accel {
 
     #[inline(never)]
     fn closest_in_tree(&self, tree: &Tree, ray: &Ray, start: PrimitiveId) -> Option<Hit> {
-        let (line, sheared) = (Line::new(ray, self.extent), LeafRay::new(ray));
+        let (line, sheared) = (Line::new(ray, self.reach), LeafRay::new(ray));
         let mut nearest = Nearest::none();
         tree.visit(ray, f64::MAX, |leaf| {
             nearest.update(self, self.candidates(leaf, &line), &sheared, start);
@@ -244,7 +268,7 @@ impl Accel {
         let (from, to, [on_from, on_to]) = (DVec3::new(ax, ay, az), DVec3::new(bx, by, bz), on);
         // Distances are in units of the segment: triangles need no length.
         let segment = Ray { origin: from, direction: to - from };
-        let line = Line::new(&segment, self.extent);
+        let line = Line::new(&segment, self.reach);
         let sheared = LeafRay::new(&segment);
         let meets = |candidates: Candidates| {
             let mut others = candidates.without(on_from).without(on_to);
@@ -272,7 +296,11 @@ impl Accel {
 
     #[inline(always)]
     fn intersect(&self, id: PrimitiveId, ray: &LeafRay, t_max: f64) -> Option<TriangleHit> {
-        ray.intersect(&self.triangle_corners[id.0 as usize], t_max)
+        let slot = id.0 as usize;
+        match self.exact_corners.get(slot) {
+            Some(corners) => ray.intersect(|i, axis| corners[i].as_ref()[axis], t_max),
+            None => ray.intersect(|i, axis| self.blocks[slot / LANES].corner(slot % LANES, i, axis), t_max),
+        }
     }
 
     #[inline(always)]
@@ -346,16 +374,26 @@ impl Iterator for Candidates {
     }
 }
 
+/// Single precision would change some shape. All triangles of a scene are treated alike: those that share corners still do.
+fn rounding_is_seen(count: usize, triangle: impl Fn(u32) -> Triangle) -> bool {
+    let mut by_shape: Vec<[u32; 2]> = Vec::new();
+    for Triangle { corners, shape } in (0..count).map(|i| triangle(i as u32)) {
+        let shape = shape as usize;
+        by_shape.resize(by_shape.len().max(shape + 1), [0; 2]);
+        let [a, b, c] = corners;
+        let longest = [b - a, c - b, a - c].map(DVec3::length_squared).into_iter().fold(0.0, f64::max);
+        let moved = corners.map(|p| p.distance_squared(p.as_vec3().as_dvec3())).into_iter().fold(0.0, f64::max);
+        by_shape[shape][0] += 1;
+        by_shape[shape][1] += u32::from(moved > SEEN * SEEN * longest);
+    }
+    by_shape.iter().any(|&[all, moved]| f64::from(moved) > SHARE_SEEN * f64::from(all))
+}
+
 /// A tree above the boxes unless they are few, and what is in its leaves.
-fn tree_of_many(
-    boxes: impl ExactSizeIterator<Item = Bounds>,
-    pad: f64,
-    leaf_size: usize,
-    few: usize,
-) -> (Option<Tree>, Leaves) {
+fn tree_of_many(boxes: impl ExactSizeIterator<Item = Bounds>, leaf_size: usize, few: usize) -> (Option<Tree>, Leaves) {
     if boxes.len() <= few {
         return (None, Leaves::in_order(boxes.len(), leaf_size));
     }
-    let (tree, leaves) = Tree::build(boxes, pad, leaf_size);
+    let (tree, leaves) = Tree::build(boxes, leaf_size);
     (Some(tree), leaves)
 }

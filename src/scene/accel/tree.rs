@@ -82,9 +82,9 @@ impl Child {
 }
 
 impl Tree {
-    /// The tree over boxes, at least one, made larger by `pad`, and its leaves: each the indices of up to `leaf_size` boxes.
-    pub fn build(boxes: impl Iterator<Item = Bounds>, pad: f64, leaf_size: usize) -> (Self, Leaves) {
-        let boxes: Vec<Aabb> = boxes.map(|b| padded(b, pad)).collect();
+    /// The tree over boxes, at least one, and its leaves: each the indices of up to `leaf_size` boxes.
+    pub fn build(boxes: impl Iterator<Item = Bounds>, leaf_size: usize) -> (Self, Leaves) {
+        let boxes: Vec<Aabb> = boxes.map(padded).collect();
         let params =
             BvhBuildParams { pre_split: false, max_prims_per_leaf: leaf_size as u32, ..BvhBuildParams::medium_build() };
         let bvh = build_bvh2(&boxes, params, &mut std::time::Duration::default());
@@ -174,32 +174,51 @@ impl Node {
     fn intersect(&self, ray: &BoxRay, limit: f32) -> ([f32; WIDTH], u32) {
         let (mut near, mut far) = (f32x8::ZERO, f32x8::splat(limit));
         for axis in 0..3 {
-            let (origin, inverse) = (f32x8::splat(ray.origin[axis]), f32x8::splat(ray.inverse[axis]));
-            let bound = |side: usize| (f32x8::new(self.bounds[side][axis]) - origin) * inverse;
-            near = near.fast_max(bound(ray.near_side[axis]));
-            far = far.fast_min(bound(1 - ray.near_side[axis]));
+            let inverse = f32x8::splat(ray.inverse[axis]);
+            let bound =
+                |side: usize, origin: f32| (f32x8::new(self.bounds[side][axis]) - f32x8::splat(origin)) * inverse;
+            near = near.fast_max(bound(ray.near_side[axis], ray.origin_to_near[axis]));
+            far = far.fast_min(bound(1 - ray.near_side[axis], ray.origin_to_far[axis]));
         }
         (near.to_array(), near.simd_le(far).to_bitmask())
     }
 }
 
+/// What coordinates of boxes and of rays' origins are moved by, over themselves. On the way from both to a distance they,
+/// the direction and three results are rounded: less than five half ulps of the distance's part along the axis, which is no
+/// more than both coordinates together. So padding shrinks towards the origin of coordinates, where the details are.
+const PADDING: f64 = 4.0 * f32::EPSILON as f64;
+
+/// The smallest component of a direction whose inverse is a number. Where it takes the place of zero, the ray leaves its plane
+/// by 10⁻³⁷ of its length.
+const LEAST_DIRECTION: f32 = 1e-37;
+
+/// Padding, over the largest coordinate, where the one along an axis is zero: what lies in that plane must be met.
+const LEAST_PADDING: f32 = 1e-20;
+
 /// A ray in single precision, prepared for boxes.
 struct BoxRay {
-    origin: [f32; 3],
+    /// The origin moved along the ray, and against it: planes of boxes are met too early, and left too late.
+    origin_to_near: [f32; 3],
+    origin_to_far: [f32; 3],
     inverse: [f32; 3],
     /// Which side of a box the ray meets first, for each axis.
     near_side: [usize; 3],
 }
 
 impl BoxRay {
+    #[inline]
     fn new(ray: &Ray) -> Self {
-        // A component of zero must not become an infinity, whose product with zero is NaN. The boxes' padding is wide
-        // enough for the difference.
+        // A component of zero must not become an infinity, whose product with zero is NaN.
         let direction = ray.direction.as_vec3();
-        let inverse = direction.abs().max(Vec3::splat(1e-30)).copysign(direction).recip();
+        let direction = direction.abs().max(Vec3::splat(LEAST_DIRECTION)).copysign(direction);
+        let origin = ray.origin.as_vec3();
+        let least = Vec3::splat(origin.abs().max_element() * LEAST_PADDING);
+        let pad = (origin.abs() * PADDING as f32).max(least).copysign(direction);
         Self {
-            origin: ray.origin.as_vec3().to_array(),
-            inverse: inverse.to_array(),
+            origin_to_near: (origin + pad).to_array(),
+            origin_to_far: (origin - pad).to_array(),
+            inverse: direction.recip().to_array(),
             near_side: direction.to_array().map(|d| usize::from(d.is_sign_negative())),
         }
     }
@@ -264,10 +283,11 @@ fn round_up(t: f64) -> f32 {
     t as f32 * (1.0 + 8.0 * f32::EPSILON) + f32::MIN_POSITIVE
 }
 
-/// The box, larger by `pad` on every side and rounded outwards.
-fn padded(bounds: Bounds, pad: f64) -> Aabb {
-    let pad = DVec3::splat(pad);
-    let (min, max) = (bounds.min - pad, bounds.max + pad);
+/// The box, a little larger and rounded outwards.
+fn padded(bounds: Bounds) -> Aabb {
+    let least = bounds.min.abs().max(bounds.max.abs()).max_element() * f64::from(LEAST_PADDING);
+    let pad = |corner: DVec3| (corner.abs() * PADDING).max(DVec3::splat(least));
+    let (min, max) = (bounds.min - pad(bounds.min), bounds.max + pad(bounds.max));
     let down = |x: f64| (x as f32).next_down();
     let up = |x: f64| (x as f32).next_up();
     Aabb::new(Vec3A::new(down(min.x), down(min.y), down(min.z)), Vec3A::new(up(max.x), up(max.y), up(max.z)))

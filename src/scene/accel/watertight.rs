@@ -1,7 +1,5 @@
 //! Ray against one triangle, in double precision and without gaps.
 
-use glam::DVec3;
-
 use crate::geometry::Ray;
 
 /// A ray in coordinates in which it runs along the z axis from the origin (Woop et al. 2013): z is the largest component
@@ -52,18 +50,18 @@ impl LeafRay {
         Self { origin: ray.origin.to_array(), shear: [d[axes[0]] * scale, d[axes[1]] * scale], scale, axes }
     }
 
-    /// Where the ray meets a triangle, from either side, at a distance above zero and up to `t_max`.
+    /// Where the ray meets a triangle, from either side, at a distance above zero and up to `t_max`. `corners` knows the
+    /// coordinate of a corner along an axis.
     ///
     /// In the ray's coordinates it meets a triangle whose three edges all have the origin on the same side. The side of an
     /// edge p → q is the sign of p_x q_y − p_y q_x. Exchanging p and q flips it exactly, and rounding, which keeps the order of
     /// the two products, can make it zero but not flip it: so a ray cannot pass between triangles that share an edge or a
     /// corner. The distance is the z of the corners with the resulting weights.
     #[inline(always)]
-    pub fn intersect(&self, corners: &[DVec3; 3], t_max: f64) -> Option<TriangleHit> {
+    pub fn intersect(&self, corners: impl Fn(usize, usize) -> f64, t_max: f64) -> Option<TriangleHit> {
         let [kx, ky, kz] = self.axes;
         let corner = |i: usize| {
-            let position: &[f64; 3] = corners[i].as_ref();
-            let relative = |axis: usize| position[axis] - self.origin[axis];
+            let relative = |axis: usize| corners(i, axis) - self.origin[axis];
             let z = relative(kz);
             [relative(kx) - self.shear[0] * z, relative(ky) - self.shear[1] * z, z]
         };
@@ -103,6 +101,8 @@ fn difference_of_products(a: f64, b: f64, c: f64, d: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
     use crate::sampler::Random;
     use crate::scene::accel::Triangle;
@@ -110,7 +110,7 @@ mod tests {
     /// The nearest hit, and a bit for each triangle met.
     fn intersect(triangles: &[[[f64; 3]; 3]], ray: &Ray) -> (Option<TriangleHit>, u32) {
         let ray = LeafRay::new(ray);
-        let hit = |corners: &[[f64; 3]; 3]| ray.intersect(&corners.map(DVec3::from_array), f64::MAX);
+        let hit = |corners: &[[f64; 3]; 3]| ray.intersect(|i, axis| corners[i][axis], f64::MAX);
         let hits: Vec<Option<TriangleHit>> = triangles.iter().map(hit).collect();
         let mask = hits.iter().enumerate().map(|(i, hit)| u32::from(hit.is_some()) << i).sum();
         (hits.into_iter().flatten().min_by(|a, b| a.t.total_cmp(&b.t)), mask)

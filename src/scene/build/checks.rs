@@ -4,7 +4,8 @@ use std::f64::consts::PI;
 
 use glam::{DMat3, DVec3};
 
-use crate::scene::description::{Cylinder, Disk, LightKind, Material, Sphere};
+use crate::geometry::Bounds;
+use crate::scene::description::{Cylinder, Disk, LightKind, Material, Mesh, SensorDescription, Sphere};
 use crate::scene::texture::{Bitmap, Texels, Texture};
 
 use super::{BuildError, Builder};
@@ -12,16 +13,23 @@ use super::{BuildError, Builder};
 /// Cosine of the angle between two axes that counts as a right one: transforms in files are of single precision.
 const RIGHT_ANGLE: f64 = 1e-4;
 
+/// Extents of scenes \[m\]. Boxes are single precision, whose normal numbers end at 10^±38, and so does the inverse of a
+/// segment's direction; volumes of three edges stay within double precision's 10^±308 with room for details.
+const EXTENTS: std::ops::RangeInclusive<f64> = 1e-30..=1e30;
+
+/// The smallest radius or axis of a shape \[m\]: the square of an area and its inverse are still normal numbers.
+const SMALLEST: f64 = 1e-70;
+
 fn at_right_angles(a: DVec3, b: DVec3) -> bool {
     a.dot(b).abs() <= RIGHT_ANGLE * a.length() * b.length()
 }
 
 fn has_length(vector: DVec3) -> bool {
-    vector.is_finite() && vector.length() > 0.0
+    vector.is_finite() && is_size(vector.length())
 }
 
-fn is_positive(x: f64) -> bool {
-    x > 0.0 && x.is_finite()
+fn is_size(x: f64) -> bool {
+    (SMALLEST..f64::INFINITY).contains(&x)
 }
 
 fn is_orthonormal(axes: &DMat3) -> bool {
@@ -39,8 +47,8 @@ fn sphere(sphere: &Sphere) -> Option<String> {
     if !sphere.centre.is_finite() {
         return Some(format!("its centre is {}; give three numbers", sphere.centre));
     }
-    if !is_positive(sphere.radius) {
-        return Some(format!("its radius is {}; give a positive number", sphere.radius));
+    if !is_size(sphere.radius) {
+        return Some(format!("its radius is {:?}; give a number of at least {SMALLEST:e}", sphere.radius));
     }
     (!is_orthonormal(&axes))
         .then(|| "its axes are not three unit vectors at right angles; scale it evenly and shear it not at all".into())
@@ -51,17 +59,17 @@ fn disk(disk: &Disk) -> Option<String> {
     if !disk.centre.is_finite() {
         return Some(format!("its centre is {}; give three numbers", disk.centre));
     }
-    let flat = !has_length(u) || !has_length(v) || !is_positive(u.cross(v).length());
+    let flat = !has_length(u) || !has_length(v) || u.cross(v).length() <= f64::EPSILON * u.length() * v.length();
     flat.then(|| format!("its axes {u} and {v} span no plane; give two vectors in different directions"))
 }
 
 fn cylinder(cylinder: &Cylinder) -> Option<String> {
     let Cylinder { base, axis, radius, meridian, .. } = *cylinder;
     if !base.is_finite() || !has_length(axis) {
-        return Some(format!("it goes from {base} along {axis}; give numbers and a length above 0"));
+        return Some(format!("it goes from {base} along {axis}; give numbers and a length of at least {SMALLEST:e}"));
     }
-    if !is_positive(radius) {
-        return Some(format!("its radius is {radius}; give a positive number"));
+    if !is_size(radius) {
+        return Some(format!("its radius is {radius:?}; give a number of at least {SMALLEST:e}"));
     }
     let unit = (meridian.length() - 1.0).abs() <= RIGHT_ANGLE;
     (!unit || !at_right_angles(axis, meridian)).then(|| {
@@ -69,7 +77,40 @@ fn cylinder(cylinder: &Cylinder) -> Option<String> {
     })
 }
 
+fn mesh(mesh: &Mesh) -> Option<String> {
+    let Mesh { positions, normals, texcoords, triangles, .. } = mesh;
+    let count = positions.len();
+    if let Some(i) = triangles.iter().flatten().find(|&&i| i as usize >= count) {
+        return Some(format!("a triangle names vertex {i}, but there are {count}; correct the number"));
+    }
+    if let Some(i) = positions.iter().position(|p| !p.is_finite()) {
+        return Some(format!("its vertex {i} is at {}; give three numbers", positions[i]));
+    }
+    let lengths =
+        [("normals", normals.as_ref().map(Vec::len)), ("texture coordinates", texcoords.as_ref().map(Vec::len))];
+    let (what, given) = lengths.into_iter().find_map(|(what, n)| Some((what, n.filter(|&n| n != count)?)))?;
+    Some(format!("it has {given} {what} for {count} vertices; give one for each"))
+}
+
 impl Builder<'_> {
+    /// Everything at finite distance lies within numbers that can be calculated with.
+    pub(super) fn check_extent(&self, everything: Bounds, camera: &SensorDescription) -> Result<(), BuildError> {
+        if !camera.position.is_finite() {
+            let what = format!("it is at {}; give three numbers", camera.position);
+            return Err(self.invalid(&format!("camera '{}'", camera.name), &what));
+        }
+        let extent = (everything.max - everything.min).max_element();
+        // A camera alone has none.
+        if extent == 0.0 || EXTENTS.contains(&extent) {
+            return Ok(());
+        }
+        let (least, most) = (EXTENTS.start(), EXTENTS.end());
+        let what = format!(
+            "it is {extent:e} m large; scale it, or move what is far away: {least:e} to {most:e} m is possible"
+        );
+        Err(self.invalid("the scene", &what))
+    }
+
     pub(super) fn check_shapes(&self) -> Result<(), BuildError> {
         let materials = self.description.materials.len();
         for (name, material) in self.description.shape_materials() {
@@ -78,10 +119,16 @@ impl Builder<'_> {
                 return Err(self.invalid(&format!("'{name}'"), &what));
             }
         }
+        let meshes = self.description.meshes.iter().map(|m| ("mesh", &m.name, mesh(m)));
         let spheres = self.description.spheres.iter().map(|s| ("sphere", &s.name, sphere(s)));
         let disks = self.description.disks.iter().map(|d| ("disk", &d.name, disk(d)));
         let cylinders = self.description.cylinders.iter().map(|c| ("cylinder", &c.name, cylinder(c)));
-        match spheres.chain(disks).chain(cylinders).find_map(|(kind, name, problem)| Some((kind, name, problem?))) {
+        match meshes
+            .chain(spheres)
+            .chain(disks)
+            .chain(cylinders)
+            .find_map(|(kind, name, problem)| Some((kind, name, problem?)))
+        {
             Some((kind, name, problem)) => Err(self.invalid(&format!("{kind} '{name}'"), &problem)),
             None => Ok(()),
         }
@@ -110,9 +157,16 @@ impl Builder<'_> {
                     (*scale, vec![*forward, *up], problem)
                 }
             };
+            let placed = match kind {
+                LightKind::Point { position, .. }
+                | LightKind::Spot { position, .. }
+                | LightKind::Projector { position, .. } => position.is_finite(),
+                LightKind::Directional { .. } => true,
+            };
             let emits = values.to_array().iter().all(|c| (0.0..f64::INFINITY).contains(c));
             let unit = directions.iter().all(|d| (d.length() - 1.0).abs() <= RIGHT_ANGLE);
             problem
+                .or_else(|| (!placed).then(|| "its position is not finite; give three numbers".into()))
                 .or_else(|| (!unit).then(|| "its directions are not of length one; give unit vectors".into()))
                 .or_else(|| {
                     (!emits)

@@ -117,7 +117,6 @@ impl Builder<'_> {
         &self,
         analytic: &[AnalyticShape],
         centre: DVec3,
-        radius: f64,
     ) -> (Accel, Vec<[Vec3; 3]>, Vec<Option<u32>>) {
         let triangles = Triangles::new(&self.description.meshes);
         let triangle = |i: u32| {
@@ -125,7 +124,7 @@ impl Builder<'_> {
             let corners = mesh.triangles[local].map(|i| mesh.positions[i as usize] - centre);
             Triangle { corners, shape: shape as u32 }
         };
-        let (accel, order) = Accel::build(triangles.count(), triangle, analytic, radius);
+        let (accel, order) = Accel::build(triangles.count(), triangle, analytic);
         let smooth = self.description.meshes.iter().any(|m| m.normals.is_some());
         let corners = |mesh: &Mesh, local: usize| {
             let normal = |i: u32| mesh.normals.as_ref().map_or(Vec3::ZERO, |n| n[i as usize].as_vec3());
@@ -197,11 +196,32 @@ impl Builder<'_> {
     }
 }
 
-pub(super) fn bounds(description: &SceneDescription) -> Bounds {
-    let meshes = description
-        .meshes
-        .iter()
-        .map(|m| Bounds::around(m.triangles.iter().flatten().map(|&i| m.positions[i as usize])));
+/// The box of each mesh and shape.
+pub(super) fn boxes(description: &SceneDescription) -> Vec<Bounds> {
+    let around = |m: &Mesh| Bounds::around(m.triangles.iter().flatten().map(|&i| m.positions[i as usize]));
     let analytic = description.analytic(DVec3::ZERO).into_iter().map(|analytic| analytic.shape.bounds());
-    meshes.chain(analytic).fold(Bounds::EMPTY, Bounds::union)
+    description.meshes.iter().map(around).chain(analytic).collect()
+}
+
+pub(super) fn bounds(description: &SceneDescription) -> Bounds {
+    boxes(description).into_iter().fold(Bounds::EMPTY, Bounds::union)
+}
+
+/// What is so much larger than all smaller things together has no say in where the centre is.
+const FAR_LARGER: f64 = 4096.0;
+
+/// The point that positions are relative to: of everything, but without what is so large that details beside it would lose
+/// their digits. `points` are where rays start from or end at, besides.
+pub(super) fn centre(mut boxes: Vec<Bounds>, points: Bounds) -> DVec3 {
+    boxes.retain(|bounds| !bounds.is_empty());
+    boxes.sort_by(|a, b| a.radius().total_cmp(&b.radius()));
+    let mut details = points;
+    for bounds in boxes {
+        let larger = !details.is_empty() && details.radius() > 0.0 && bounds.radius() > FAR_LARGER * details.radius();
+        if larger {
+            break;
+        }
+        details = details.union(bounds);
+    }
+    details.centre()
 }

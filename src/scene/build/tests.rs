@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DMat3, DVec3};
 
-use crate::scene::description::{Cylinder, Disk, EnvironmentDescription, FilmSize, Light, LightKind, Sphere};
+use crate::scene::description::{Cylinder, Disk, EnvironmentDescription, FilmSize, Light, LightKind, Mesh, Sphere};
 use crate::scene::texture::Texels;
 use crate::scene::{Scene, SceneDescription, SceneOptions};
 use crate::spectrum::Rgb;
@@ -27,6 +27,7 @@ fn shapes_that_cannot_be_are_named() {
     for (message, expected) in [
         (sphere(&|s| s.radius = 0.0), "sphere 'ball': its radius is 0"),
         (sphere(&|s| s.radius = f64::NAN), "sphere 'ball': its radius is NaN"),
+        (sphere(&|s| s.radius = 1e-300), "sphere 'ball': its radius is 1e-300; give a number of at least 1e-70"),
         (sphere(&|s| s.centre.x = f64::INFINITY), "sphere 'ball': its centre is"),
         (sphere(&|s| s.axes.x_axis *= 1.1), "sphere 'ball': its axes are not three unit vectors"),
         (sphere(&|s| s.material = 99), "'ball': refers to material 99, but there are"),
@@ -36,6 +37,36 @@ fn shapes_that_cannot_be_are_named() {
         (cylinder(&|c| c.meridian = c.axis.normalize()), "cylinder 'tube': its meridian"),
     ] {
         assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn meshes_that_cannot_be_are_named() {
+    let mesh = |change: &dyn Fn(&mut Mesh)| message(|scene| change(&mut scene.meshes[0]));
+    for (message, expected) in [
+        (mesh(&|m| m.positions[1].y = f64::NAN), "its vertex 1 is at [1, NaN, -1]; give three numbers"),
+        (mesh(&|m| m.triangles[0][2] = 99), "a triangle names vertex 99, but there are"),
+        (mesh(&|m| m.normals = Some(vec![DVec3::Z])), "it has 1 normals for"),
+        (mesh(&|m| m.texcoords = Some(vec![])), "it has 0 texture coordinates for"),
+    ] {
+        assert!(message.contains(expected), "{message}");
+    }
+}
+
+#[test]
+fn sizes_beyond_the_numbers_are_refused() {
+    let scaled = |by: f64| {
+        let mut scene = scenes::enclosure(Rgb::WHITE, Rgb::grey(0.5), FilmSize { width: 2, height: 2 });
+        scene.meshes.iter_mut().flat_map(|m| &mut m.positions).for_each(|p| *p *= by);
+        scene.sensor.iter_mut().for_each(|s| s.position *= by);
+        Scene::build(&scene, SceneOptions::default()).map(|_| ())
+    };
+    for by in [1e-30, 1e-9, 1e9, 1e29] {
+        scaled(by).expect("numbers reach that far");
+    }
+    for by in [1e-300, 1e-40, 1e40, 1e160] {
+        let message = scaled(by).expect_err("no numbers for it").to_string();
+        assert!(message.contains("the scene: it is ") && !message.contains('\n'), "{message}");
     }
 }
 

@@ -8,8 +8,10 @@ use crate::scene::Scene;
 use crate::spectrum::Rgb;
 use crate::testing::definition::Comparison;
 
-/// Fewer passes say nothing about their variance.
-pub(super) const FEWEST_PASSES: u64 = 32;
+use super::Effort;
+
+/// A cell that takes this many times the rays of others is given up after the first pass.
+const TOO_LONG: f64 = 40.0;
 
 /// Paths longer than this are not compared with the definition: it takes the square of the length, and so do the paths of all
 /// terms of a sample.
@@ -38,13 +40,13 @@ pub(super) struct Measured {
 }
 
 impl Measured {
-    /// Draws passes until they have taken so many rays, or `stop` is told.
-    pub fn new(integrator: &dyn Integrator, scene: &Scene, seed: u64, rays: u64, stop: &dyn Fn() -> bool) -> Self {
+    /// Draws passes until they are enough, or `stop` is told.
+    pub fn new(integrator: &dyn Integrator, scene: &Scene, effort: Effort, stop: &dyn Fn() -> bool) -> Self {
         let size = scene.sensor().film();
         let mut film = Film::new(size.width, size.height, None).expect("stages have pixels");
-        let mut watch = Watch { rays, stop, before: Vec::new(), measured: Self::default() };
+        let mut watch = Watch { effort, stop, before: Vec::new(), measured: Self::default() };
         let start = Instant::now();
-        integrator.render(scene, seed, &mut film, &mut watch);
+        integrator.render(scene, effort.seed, &mut film, &mut watch);
         let mut measured = watch.measured;
         measured.seconds = start.elapsed().as_secs_f64();
         measured.pixels = u64::from(size.width) * u64::from(size.height);
@@ -72,7 +74,7 @@ impl Measured {
 }
 
 struct Watch<'a> {
-    rays: u64,
+    effort: Effort,
     stop: &'a dyn Fn() -> bool,
     /// Sum of each pixel before the last pass.
     before: Vec<Rgb>,
@@ -92,8 +94,11 @@ impl Control for Watch<'_> {
             self.measured.passes.push(pass.iter().sum::<f64>() / pass.len() as f64);
             self.before = sums;
         }
-        let enough = passes >= FEWEST_PASSES && film.counters.rays >= self.rays;
-        u64::from(!(enough || (self.stop)()))
+        let Effort { rays, passes: fewest, .. } = self.effort;
+        let enough = passes >= fewest && film.counters.rays >= rays;
+        let expected = film.counters.rays as f64 * fewest as f64 / passes.max(1) as f64;
+        let too_long = expected > TOO_LONG * rays as f64;
+        u64::from(!(enough || too_long || (self.stop)()))
     }
 }
 

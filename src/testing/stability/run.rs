@@ -3,27 +3,16 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use std::time::{Duration, Instant};
 
-use crate::estimator::{Integrator, Registry, RegistryError};
-use crate::film::Moments;
+use crate::estimator::{Registry, RegistryError};
 use crate::scene::{LightSelection, Scene, SceneOptions};
 
 use super::Effort;
-use super::case::{Case, Stage, Subject, Truth};
+use super::case::{Case, Stage, Subject};
 use super::cell::{Cell, Verdict};
-use super::judge::{Sampled, judge, too_rare};
-use super::measure::{FEWEST_PASSES, LONGEST, Measured, definition};
+use super::judge::too_rare;
 use super::place::blank;
-
-/// A cell that is expected to take this many times the rays of others is left out.
-const TOO_LONG: f64 = 30.0;
-
-/// Rays grow with the parameter where their exponent is larger than this.
-const GROWS: f64 = 0.3;
-
-/// For what rays do not tell: the time for a cell, with the effort of a quick run.
-const TIME_LIMIT: Duration = Duration::from_secs(60);
+use super::sweep::Sweep;
 
 /// What a method is called where there is none.
 const CORE: &str = "core";
@@ -167,119 +156,6 @@ pub fn beyond(case: &Case, cell: Cell) -> Cell {
             Cell { verdict: Verdict::Beyond, details: format!("{}: {}", limit.why, cell.details), ..cell }
         }
         _ => cell,
-    }
-}
-
-/// A case by a method.
-struct Sweep {
-    label: String,
-    cells: Vec<Cell>,
-    /// Passes of the tame value.
-    tame: Vec<f64>,
-    /// Values and their rays per sample.
-    rays: Vec<(f64, f64)>,
-}
-
-impl Sweep {
-    fn new(label: &str) -> Self {
-        Self { label: label.to_owned(), cells: Vec::new(), tame: Vec::new(), rays: Vec::new() }
-    }
-
-    #[allow(clippy::too_many_arguments, reason = "all that a cell is made of")]
-    fn cell(
-        &mut self,
-        case: &Case,
-        value: f64,
-        stage: &Stage,
-        scene: &Scene,
-        integrator: &dyn Integrator,
-        run: &Run<'_>,
-        stop: &(dyn Fn() -> bool + Sync),
-    ) -> Cell {
-        let cell = blank(case, value, &self.label);
-        let blind = integrator.supports(scene).err().or_else(|| integrator.misses(scene));
-        if let Some(details) = blind {
-            return Cell { verdict: Verdict::Blind, details, ..cell };
-        }
-        let size = scene.sensor().film();
-        let fewest = FEWEST_PASSES as f64 * f64::from(size.width) * f64::from(size.height);
-        if let Some((expected, exponent)) = self.expected_rays(value)
-            && expected * fewest > TOO_LONG * run.effort.rays as f64
-        {
-            let details =
-                format!("rays of a sample grow as {}^{exponent:+.1}: {expected:.0e} expected", case.parameter);
-            return Cell { verdict: Verdict::Slow, details, ..cell };
-        }
-        let limit = TIME_LIMIT.mul_f64(run.effort.rays as f64 / Effort::QUICK.rays as f64);
-        let start = Instant::now();
-        let ends = || stop() || start.elapsed() > limit;
-        let mut measured = Measured::new(integrator, scene, run.effort.seed, run.effort.rays, &ends);
-        let short = run.registry.build(&self.label, &[("max_length", LONGEST.to_string())]);
-        measured.definition =
-            short.ok().and_then(|short| definition(short.integrator.as_ref(), scene, run.effort.seed));
-        self.rays.push((value, measured.rays_per_sample()));
-        let cell = self.measured(cell, stage, &measured, run.tests());
-        if (measured.passes.len() as u64) < FEWEST_PASSES {
-            let details = format!("{} passes took {:.0} s", measured.passes.len(), measured.seconds);
-            return Cell { verdict: Verdict::Slow, details, ..cell };
-        }
-        cell
-    }
-
-    fn measured(&mut self, mut cell: Cell, stage: &Stage, measured: &Measured, tests: usize) -> Cell {
-        if self.tame.is_empty() {
-            self.tame.clone_from(&measured.passes);
-        }
-        let paired = matches!(stage.truth, Truth::Tame(_));
-        let largest = measured.values.iter().copied().fold(0.0, f64::max);
-        let mut sampled = Sampled {
-            estimates: measured.moments(),
-            values: (!paired).then(|| measured.values.clone()),
-            largest,
-            draws: measured.samples(),
-            tolerance: stage.tolerance,
-            paired,
-            alike: stage.alike,
-            invalid: measured.counters.invalid,
-            negative: measured.counters.negative,
-            definition: measured.definition,
-            ..Sampled::default()
-        };
-        let pairs = |factor: f64| measured.passes.iter().zip(&self.tame).map(move |(a, b)| a - factor * b);
-        match stage.truth {
-            Truth::Value(value) => {
-                sampled.errors = Moments { mean: sampled.estimates.mean - value, ..sampled.estimates };
-                cell.truth = Some(value);
-            }
-            Truth::Tame(factor) => {
-                pairs(factor).for_each(|error| sampled.errors.push(error));
-                (sampled.largest, sampled.draws) = (sampled.errors.largest, sampled.errors.count);
-                cell.truth = Some(factor * self.tame.iter().sum::<f64>() / self.tame.len() as f64);
-            }
-        }
-        let samples = measured.samples();
-        let mean = sampled.estimates.mean;
-        let variance = sampled.estimates.variance() * measured.pixels as f64 / (mean * mean);
-        judge(&mut cell, sampled, tests);
-        cell.passes = Some(measured.passes.len() as u64);
-        cell.samples = Some(samples);
-        cell.variance = Some(variance).filter(|variance| variance.is_finite());
-        cell.firefly = (mean > 0.0).then(|| largest / mean);
-        cell.seconds_per_sample = Some(measured.seconds / samples.max(1) as f64);
-        cell.rays_per_sample = Some(measured.rays_per_sample());
-        let tame = self.cells.first().unwrap_or(&cell).clone();
-        let growth = |now: Option<f64>, tame: Option<f64>| now.zip(tame).map(|(now, tame)| now / tame);
-        cell.variance_growth = growth(cell.variance, tame.variance).filter(|growth| growth.is_finite());
-        cell.time_growth = growth(cell.seconds_per_sample, tame.seconds_per_sample);
-        cell
-    }
-
-    /// Rays of a sample as the last two values foretell, with the exponent of the parameter.
-    fn expected_rays(&self, value: f64) -> Option<(f64, f64)> {
-        let [.., (first, rays), (last, more)] = self.rays[..] else { return None };
-        let exponent = libm::log(more / rays) / libm::log(last / first);
-        let grows = exponent.is_finite() && exponent.abs() > GROWS && more > rays;
-        grows.then(|| (more * libm::pow(value / last, exponent), exponent))
     }
 }
 

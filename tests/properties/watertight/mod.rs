@@ -36,8 +36,7 @@ impl Case {
         }
         let outer = mesh.positions.iter().map(|p| p.distance(middle)).fold(0.0, f64::max);
         let triangle = |i: u32| Triangle { corners: mesh.triangles[i as usize].map(|i| mesh.positions[i]), shape: 0 };
-        let radius = middle.length() + outer * far;
-        let accel = Accel::build(mesh.triangles.len(), triangle, &[], radius).0;
+        let accel = Accel::build(mesh.triangles.len(), triangle, &[]).0;
         Self { mesh, accel, middle, inner, outer, far }
     }
 

@@ -13,6 +13,8 @@ mod stiff;
 
 use super::case::{Case, Limit, Subject};
 
+pub(super) use scenery::FILM;
+
 /// All cases in the order of the table.
 #[must_use]
 pub fn all() -> Vec<Case> {

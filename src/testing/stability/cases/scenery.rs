@@ -10,7 +10,7 @@ use crate::testing::scenes::{diffuse, enclosure, material, pinhole, rectangle};
 use super::super::truth::square_mean;
 
 /// Few pixels: the mean of the image is what is looked at.
-pub(super) const FILM: FilmSize = FilmSize { width: 8, height: 6 };
+pub(in super::super) const FILM: FilmSize = FilmSize { width: 8, height: 6 };
 
 /// Width over height.
 pub(super) const ASPECT: f64 = 4.0 / 3.0;
