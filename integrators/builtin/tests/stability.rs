@@ -78,8 +78,8 @@ fn verdicts(cells: &[Cell], method: &str) -> Vec<Verdict> {
 #[test]
 fn planted_bugs_fail_and_path_holds() {
     let registry = pathspace_builtin::registry()
-        .with(entry("too_dark", |settings| buggy(settings, |term| term.value = term.value * 0.97)))
-        .with(entry("too_bright", |settings| buggy(settings, |term| term.value = term.value * 1.03)))
+        .with(entry("too_dark", |settings| buggy(settings, |term| term.value *= 0.97)))
+        .with(entry("too_bright", |settings| buggy(settings, |term| term.value *= 1.03)))
         .with(entry("no_number", |settings| {
             buggy(settings, |term| term.value = if term.value.r < 1e-12 { term.value * f64::NAN } else { term.value })
         }))
