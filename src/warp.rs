@@ -93,12 +93,13 @@ pub const CONCENTRIC_DISK_DENSITY: Density<Area> = Density::new(FRAC_1_PI);
 
 /// A direction of the hemisphere around +z, distributed as its cosine: the unit disk, projected up (Malley's method).
 ///
-/// `z = √(1 − r²)`; zero only for `u[0] = 0` or `u[1] = 0`, which map to the rim.
+/// `z = √(1 − r²)`, from 1.5e-8 up: the rim itself, which `u[0] = 0` and `u[1] = 0` stand for, has density zero, and is
+/// drawn half a rounding of u inwards.
 #[must_use]
 #[inline]
 pub fn cosine_hemisphere(u: [f64; 2]) -> DVec3 {
     let (p, r) = disk_and_radius(u);
-    p.extend(((1.0 - r) * (1.0 + r)).sqrt())
+    p.extend(((1.0 - r) * (1.0 + r)).max(f64::EPSILON).sqrt())
 }
 
 /// The density of [`cosine_hemisphere`], `1/π` in projected solid angle \[1/sr\].
@@ -218,7 +219,7 @@ mod tests {
         for u in ends.into_iter().flat_map(|a| ends.map(|b| [a, b])) {
             assert!(concentric_disk(u).length() <= 1.0 + 1e-15, "{u:?}");
             let unit = |v: DVec3| (v.length() - 1.0).abs() < 1e-15;
-            assert!(unit(cosine_hemisphere(u)) && cosine_hemisphere(u).z >= 0.0, "{u:?}");
+            assert!(unit(cosine_hemisphere(u)) && cosine_hemisphere(u).z > 1e-8, "{u:?}");
             assert!(unit(uniform_sphere(u)) && unit(uniform_cone(u, 1e-20)), "{u:?}");
             let b = uniform_triangle(u);
             assert!(b.iter().all(|&x| x >= 0.0) && (b.iter().sum::<f64>() - 1.0).abs() < 1e-15, "{u:?}");

@@ -3,6 +3,8 @@
 use rand::{Rng, SeedableRng};
 use rand_xoshiro::Xoshiro256PlusPlus;
 
+mod forced;
+
 /// The random numbers of one sample: a pure function of its key, so any sample can be drawn again on its own.
 ///
 /// The key goes through the counter-based generator Philox4x32-10 (Salmon et al. 2011), whose output seeds a sequential
@@ -29,6 +31,9 @@ impl Random {
         }
         Self { sequence: Xoshiro256PlusPlus::from_seed(state) }
     }
+
+    /// The largest number that is drawn, 1 − 2⁻⁵³.
+    pub const LARGEST: f64 = 1.0 - f64::EPSILON / 2.0;
 
     /// Uniform in `[0, 1)`, a multiple of 2⁻⁵³.
     #[inline]

@@ -200,7 +200,8 @@ impl Scene {
     pub fn trace(&self, from: &Vertex, direction: DVec3) -> Option<Vertex> {
         let ray = Ray::new(from.position, direction);
         match self.accel.closest(&ray, from.primitive()) {
-            Some(hit) => Some(self.surface_vertex(&ray, &hit)),
+            // On an edge of two triangles the other one may be met at the very point: no edge leads there.
+            Some(hit) => Some(self.surface_vertex(&ray, &hit)).filter(|vertex| vertex.position != from.position),
             None => self.environment_beyond(&ray),
         }
     }

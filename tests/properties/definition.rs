@@ -1,7 +1,7 @@
 //! Fast integrators equal the definition, path by path.
 
 use pathspace::estimator::{Estimator, RecordedTerm, Settings};
-use pathspace::scene::description::{FilmSize, SceneDescription};
+use pathspace::scene::description::{FilmSize, Projection, SceneDescription};
 use pathspace::testing::definition::compare;
 use pathspace::testing::scenes;
 use pathspace_bdpt::Bidirectional;
@@ -24,7 +24,17 @@ fn check<E: Estimator>(scene: &SceneDescription, estimator: &E) {
     assert_eq!(comparison.hidden, 0, "{}: edges that the walk has drawn are denied", scene.name);
 }
 
-fn all_scenes() -> [SceneDescription; 12] {
+/// The terrace seen by a window, which walks from its environment pass but which has no points of its own.
+fn skylight(film: FilmSize) -> SceneDescription {
+    let mut scene = scenes::terrace(film);
+    scene.name = "skylight".into();
+    if let Some(sensor) = &mut scene.sensor {
+        sensor.projection = Projection::Window { half_width: 0.3, half_height: 0.2 };
+    }
+    scene
+}
+
+fn all_scenes() -> [SceneDescription; 13] {
     use scenes::{cabinet, gallery, lanterns, observatory, room, showroom, terrace, veneer};
     use scenes::{frieze, overlook, photometer, vignette};
     let makers = [
@@ -40,6 +50,7 @@ fn all_scenes() -> [SceneDescription; 12] {
         frieze,
         photometer,
         overlook,
+        skylight,
     ];
     makers.map(|make| make(FILM))
 }

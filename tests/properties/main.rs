@@ -4,6 +4,7 @@
 mod agreement;
 mod coverage;
 mod definition;
+mod ends;
 mod experiment;
 mod known_answers;
 mod mitsuba;

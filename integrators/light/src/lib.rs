@@ -224,14 +224,15 @@ impl LightTracer {
 
     /// The density of t = 1 for the last vertex, relative to the walk's own up to the one before.
     fn connection_density(&self, scene: &Scene, x: &Vertex, xk: &Vertex, edges: u32) -> f64 {
-        let direct = scene.sensor().direct_density(x, xk).value();
-        let emitter = x.emitter().map(|id| scene.emitter(id));
-        let Some(emitter) = emitter.filter(|emitter| edges == 1 && !emitter.is_local()) else { return direct };
-        // s = t = 1 draws x_k first and x_0 for it.
-        let edge = Edge::between(xk, x);
-        let walk = emitter.emission_density(x, -edge.direction).position.value();
-        let position = scene.sensor().density(xk, edge.direction).position.value();
-        position * emitter.direct_density(scene.accel(), xk.position, x, &edge).value() / walk
+        match x.emitter() {
+            // s = t = 1, where either end may be drawn for the other.
+            Some(id) if edges == 1 => {
+                let edge = Edge::between(x, xk);
+                let position = scene.emitter(id).emission_density(x, edge.direction).position;
+                scene.density_of_two(x, xk) / (scene.emitter_probability(id).value() * position.value())
+            }
+            _ => scene.sensor().direct_density(x, xk).value(),
+        }
     }
 
     /// t = 1: a point of the sensor is drawn for the walk's vertex.

@@ -41,7 +41,11 @@ from .scene import Scene
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m pathspace.stability.exact")
+    parser = argparse.ArgumentParser(
+        prog="python -m pathspace.stability.exact",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     parser.add_argument("logs", nargs="+", type=Path, metavar="LOG.jsonl")
     parser.add_argument(
         "--scene-json",

@@ -174,15 +174,22 @@ class Edge:
 def sensitivities(
     function: Callable[..., list[Number]], directions: Sequence[Vector]
 ) -> tuple[list[Number], list[float]]:
-    """Return the function and its condition: |Δ ln f| / u as each direction turns by u.
+    """Return the function and its condition: |Δ ln f| / u as each direction is off by u.
 
-    The function takes unit vectors and returns numbers; the worst of them counts. Both tangents of
-    a direction are tried and their effects added.
+    The function takes unit vectors and returns numbers; the worst of them counts. A direction turns
+    towards both tangents. The first two, which are no normals, besides grow by u: the length of a
+    rounded vector is no better than that, and neither is a cosine, so that what needs the sine of
+    rays that are nearly upright, such as total reflection with a large index, has fewer digits. The
+    effects are added.
     """
     values = function(*directions)
     conditions = []
     for i, direction in enumerate(directions):
         total = 0.0
+        if i < 2:
+            longer = list(directions)
+            longer[i] = scale(direction, 1 + UNIT)
+            total += change(values, function(*longer))
         for tangent in tangents(direction):
             turned = list(directions)
             turned[i] = unit(add(direction, scale(tangent, UNIT)))

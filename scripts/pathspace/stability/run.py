@@ -49,7 +49,11 @@ KEYS = {"id", "scene", "integrator", "max_depth", "width", "height"}
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
-    parser = argparse.ArgumentParser(prog="python -m pathspace.stability.run")
+    parser = argparse.ArgumentParser(
+        prog="python -m pathspace.stability.run",
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+    )
     add = parser.add_argument
     add("--cells", type=Path, required=True)
     add("--variant", choices=("scalar_rgb", "llvm_ad_rgb"), required=True)

@@ -21,7 +21,7 @@ const VARIANTS: [(&str, &str); 2] =
     [("scalar_rgb", "mitsuba:path:scalar_rgb"), ("llvm_ad_rgb", "mitsuba:path:llvm_ad_rgb")];
 
 /// For a cell \[s\]; with all values and samples.
-const SECONDS: [f64; 2] = [0.3, 3.0];
+const SECONDS: [f64; 2] = [0.3, 1.0];
 
 /// For all cells.
 const LIMIT: Duration = Duration::from_secs(6 * 3600);

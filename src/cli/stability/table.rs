@@ -76,7 +76,7 @@ fn count(cells: &[Cell]) -> String {
     let counts: Vec<String> =
         counts.iter().filter(|(_, n)| *n > 0).map(|(verdict, n)| format!("{n} {}", shown(*verdict))).collect();
     format!(
-        "\ncells: {}\na number is the last value of the parameter that holds, a word what comes after it\n",
+        "\ncells: {}\nnumbers: the last value of the parameter that holds; words: what comes after it\n",
         counts.join(", ")
     )
 }

@@ -109,7 +109,8 @@ pub(super) fn disk_density(radius: f64) -> Density<crate::measure::Area> {
 pub(super) fn entry(id: EmitterId, direction: DVec3, radius: f64, u: [f64; 2]) -> Vertex {
     let frame = Frame::around(direction);
     let DVec2 { x, y } = warp::concentric_disk(u);
-    let height = (1.0 - x * x - y * y).max(0.0).sqrt();
+    // The rim itself has density zero.
+    let height = (1.0 - x * x - y * y).max(f64::EPSILON).sqrt();
     infinite_vertex(id, frame.to_world(DVec3::new(x, y, -height)) * radius, radius)
 }
 

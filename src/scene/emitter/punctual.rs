@@ -94,7 +94,8 @@ impl Spot {
     }
 
     pub(super) fn emission_density(&self, direction: DVec3) -> EdgeDensity {
-        let inside = self.angle(direction) <= self.outer_angle;
+        // Rounding must not deny directions that were drawn at the cone's edge.
+        let inside = self.angle(direction) <= self.outer_angle * (1.0 + 1e-9);
         EdgeDensity {
             position: Density::new(1.0),
             direction: if inside { warp::uniform_cone_density(self.one_minus_cos_outer) } else { Density::ZERO },

@@ -102,7 +102,8 @@ impl ShapeEmitter {
         };
         let cone = cone(sphere, x1)?;
         let frame = Frame::around(cone.axis);
-        let local = warp::uniform_cone(u, cone.one_minus_cos_max);
+        // At the very silhouette the density in area is zero, and rounding decides whether the point faces x_1.
+        let local = warp::uniform_cone([u[0].min(1.0 - 1e-12), u[1]], cone.one_minus_cos_max);
         // The point of the sphere that this direction meets first, as an angle α at the centre (pbrt 4, §6.2.4).
         let sin2 = local.x * local.x + local.y * local.y;
         let cos_alpha = sin2 / cone.sin_max + local.z * (1.0 - sin2 / (cone.sin_max * cone.sin_max)).max(0.0).sqrt();

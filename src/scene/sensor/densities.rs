@@ -59,7 +59,9 @@ impl Sensor {
         if let Kind::Meter(meter) = self.kind {
             return self.meter_importance(meter, xk, direction);
         }
-        if self.forward.dot(direction) <= 0.0 {
+        let cos = self.forward.dot(direction);
+        // Points at one place have no direction.
+        if cos <= 0.0 || cos.is_nan() {
             return None;
         }
         let raster = self.raster(self.in_image(xk, direction));

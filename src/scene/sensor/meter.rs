@@ -14,6 +14,7 @@ use crate::scene::emitter::{DirectSample, EdgeDensity};
 use crate::warp;
 
 use super::distant::Aperture;
+use super::sampling::inwards;
 use super::{Importance, Pixel, Sensor};
 
 /// What is measured.
@@ -50,13 +51,10 @@ impl Sensor {
         random: &mut Random,
     ) -> (Vertex, DVec3) {
         let index = f64::from(pixel.y) * f64::from(self.film.width) + f64::from(pixel.x);
-        let zeta = ((index + u[0]) / self.pixels()).min(1.0_f64.next_down());
+        let zeta = (index + inwards(u[0])) / self.pixels();
         let at = [u[2], u[3]];
         match meter {
-            Meter::Hemisphere | Meter::Window => {
-                let raster = DVec2::new(f64::from(pixel.x) + u[0], f64::from(pixel.y) + u[1]);
-                self.meter_through(meter, raster, at)
-            }
+            Meter::Hemisphere | Meter::Window => self.meter_through(meter, pixel.at([u[0], u[1]]), at),
             Meter::Ray => (self.vertex(self.position, zeta), self.forward),
             Meter::Distant(aperture) => (self.vertex(self.position + aperture.sample(at), zeta), self.forward),
             Meter::Surface => {
@@ -155,7 +153,8 @@ impl Sensor {
     #[inline(never)]
     pub(super) fn meter_importance(&self, meter: Meter, xk: &Vertex, direction: DVec3) -> Option<Importance> {
         let cos = xk.normal.dot(direction);
-        if cos <= 0.0 {
+        // Points at one place have no direction.
+        if cos <= 0.0 || cos.is_nan() {
             return None;
         }
         let offset = xk.position - self.position;

@@ -12,6 +12,21 @@ use crate::warp;
 use super::densities::lens_density;
 use super::{Kind, Pixel, Sensor};
 
+/// A billionth away from the ends of `[0, 1]`, so that what is drawn there in a pixel is not another's by rounding.
+#[inline(always)]
+pub(super) fn inwards(u: f64) -> f64 {
+    const MARGIN: f64 = 1e-9;
+    u.clamp(MARGIN, 1.0 - MARGIN)
+}
+
+impl Pixel {
+    /// The point of the film at `u` of the pixel's square.
+    #[inline(always)]
+    pub(super) fn at(self, u: [f64; 2]) -> DVec2 {
+        DVec2::new(f64::from(self.x) + inwards(u[0]), f64::from(self.y) + inwards(u[1]))
+    }
+}
+
 /// `scene` is the one that the sensor belongs to.
 impl Sensor {
     /// Draws x_k and the direction of the last edge for a pixel.
@@ -23,8 +38,8 @@ impl Sensor {
             return self.sample_meter(meter, scene, pixel, u, random);
         }
         let (raster, zeta) = match &self.filter {
-            None => (DVec2::new(f64::from(pixel.x) + u[0], f64::from(pixel.y) + u[1]), 0.0),
-            Some(filter) => filter.sample(pixel, [u[0], u[1]], random.uniform()),
+            None => (pixel.at([u[0], u[1]]), 0.0),
+            Some(filter) => filter.sample(pixel, [u[0], u[1]].map(inwards), inwards(random.uniform())),
         };
         self.start(raster, zeta, [u[2], u[3]])
     }

@@ -16,13 +16,16 @@ pub const POWER: f64 = 0.9;
 const COARSEST: f64 = 0.1;
 
 /// Pixels of passes that are not black: fewer say nothing.
-const FEWEST: usize = 50;
+pub(super) const FEWEST_LIT: usize = 50;
 
 /// What Welch's tail tells of few outliers that make up all of the variance.
 const FEW_OUTLIERS: f64 = 0.3;
 
 /// A relative standard error below this is that of rounding, of which outliers say nothing.
 const ROUNDING: f64 = 1e-7;
+
+/// Few outliers matter where more of them would: as large as those seen, they are part of the detectable bias.
+const FINE: f64 = 0.01;
 
 /// Deviation of a weight's sum from one, and of a term from its definition, that is none.
 const WEIGHTS: f64 = 1e-9;
@@ -97,11 +100,11 @@ pub(super) fn judge(cell: &mut Cell, mut sampled: Sampled, tests: usize) {
         (Verdict::Fails, format!("a term is off its definition by {definition:.0e}"))
     } else if truth == 0.0 && lit == 0 {
         (Verdict::Holds, String::new())
-    } else if lit < FEWEST && !sampled.alike {
+    } else if lit < FEWEST_LIT && !sampled.alike {
         (Verdict::Noise, format!("light was found {lit} times"))
     } else if let Some(tail) = tail.filter(|tail| noisy && tail.is_infinite()) {
         (Verdict::Noise, format!("no variance in sight: tail index {:.1}", tail.alpha))
-    } else if noisy && welch.tail > FEW_OUTLIERS && (differs || !sampled.paired) {
+    } else if noisy && welch.tail > FEW_OUTLIERS && (differs || detectable > FINE && !sampled.paired) {
         (Verdict::Noise, "a few outliers make up the variance".into())
     } else if differs {
         (Verdict::Fails, format!("off by {:+.2e} of the truth", welch.difference / scale))
@@ -121,5 +124,86 @@ pub(super) fn too_rare(cell: &mut Cell) {
     if cell.verdict == Verdict::Fails && possible && (0.0..1.0 - COARSEST).contains(&share) {
         cell.verdict = Verdict::Noise;
         cell.details = format!("{:.0} % of the light that others find: the rest is too rare", 100.0 * share);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::case::{Case, Exact, Subject};
+    use super::super::place::blank;
+    use super::*;
+    use crate::sampler::Random;
+
+    fn case() -> Case {
+        let subject = Subject::Number(|_| Exact { estimate: 1.0, truth: 1.0, tolerance: 0.0 });
+        Case { group: "g", name: "n", parameter: "p", values: vec![1.0, 2.0], about: "", limit: None, subject }
+    }
+
+    /// 500 passes of 48 pixels, each a number below two drawn with the chance, of mean one but for a bias.
+    fn verdict(chance: f64, bias: f64, change: impl Fn(&mut Sampled)) -> Cell {
+        let mut random = Random::new(4, 0, 0);
+        let mut sampled = Sampled { values: Some(Vec::new()), tolerance: 1e-9, ..Sampled::default() };
+        for _ in 0..500 {
+            let mut pixel = || if random.uniform() < chance { 2.0 * random.uniform() / chance } else { 0.0 };
+            let pixels: Vec<f64> = (0..48).map(|_| (1.0 + bias) * pixel()).collect();
+            let pass = pixels.iter().sum::<f64>() / 48.0;
+            sampled.largest = pixels.iter().copied().fold(sampled.largest, f64::max);
+            sampled.values.as_mut().unwrap().extend(pixels.iter().filter(|&&x| x > 0.0));
+            sampled.estimates.push(pass);
+            sampled.errors.push(pass - 1.0);
+            sampled.draws += 48;
+        }
+        change(&mut sampled);
+        let mut cell = Cell { truth: Some(1.0), ..blank(&case(), 2.0, "m") };
+        judge(&mut cell, sampled, 1000);
+        cell
+    }
+
+    #[test]
+    fn a_bias_that_is_said_to_be_detectable_is_detected_and_none_is_not() {
+        let cell = verdict(1.0, 0.0, |_| ());
+        assert_eq!(cell.verdict, Verdict::Holds, "{}", cell.details);
+        let detectable = cell.detectable.unwrap();
+        assert!(detectable < 0.04, "{detectable}");
+        for bias in [1.2 * detectable, -1.2 * detectable] {
+            assert_eq!(verdict(1.0, bias, |_| ()).verdict, Verdict::Fails, "{bias}");
+        }
+    }
+
+    #[test]
+    fn what_is_hardly_ever_seen_says_nothing() {
+        assert_eq!(verdict(1e-3, 0.0, |_| ()).verdict, Verdict::Noise);
+        assert_eq!(verdict(0.0, 0.0, |_| ()).verdict, Verdict::Noise);
+        // Where light is as rare as it ever was, none at all is a failure.
+        assert_eq!(verdict(0.0, 0.0, |sampled| sampled.alike = true).verdict, Verdict::Fails);
+    }
+
+    #[test]
+    fn impossible_values_and_wrong_weights_are_never_excused() {
+        let changes: [fn(&mut Sampled); 5] = [
+            |sampled| sampled.invalid = 1,
+            |sampled| sampled.negative = 1,
+            |sampled| sampled.definition = Some((1e-6, 0.0)),
+            |sampled| sampled.definition = Some((0.0, 1e-3)),
+            |sampled| sampled.estimates.push(f64::NAN),
+        ];
+        for change in changes {
+            let mut cell = verdict(1e-3, 0.0, change);
+            assert_eq!(cell.verdict, Verdict::Fails);
+            too_rare(&mut cell);
+            assert_eq!(cell.verdict, Verdict::Fails, "{}", cell.details);
+        }
+    }
+
+    #[test]
+    fn only_a_large_part_of_the_light_can_be_too_rare() {
+        let lost = |bias: f64| {
+            let mut cell = verdict(1.0, bias, |_| ());
+            too_rare(&mut cell);
+            cell.verdict
+        };
+        assert_eq!(lost(-0.5), Verdict::Noise);
+        assert_eq!(lost(-0.07), Verdict::Fails);
+        assert_eq!(lost(0.5), Verdict::Fails);
     }
 }

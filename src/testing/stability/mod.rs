@@ -32,8 +32,8 @@ pub use summary::{Outcome, outcome};
 pub struct Effort {
     /// Rays of a cell.
     pub rays: u64,
-    /// Passes over the film of a cell, at least.
-    pub passes: u64,
+    /// Times as many where it takes so many to find a bias of 8 %.
+    pub patience: f64,
     /// All values of a parameter rather than three of them.
     pub all_values: bool,
     /// Seed of the random numbers.
@@ -42,9 +42,9 @@ pub struct Effort {
 
 impl Effort {
     /// Minutes on one core.
-    pub const QUICK: Self = Self { rays: 1_500_000, passes: 32, all_values: false, seed: 1 };
+    pub const QUICK: Self = Self { rays: 1_000_000, patience: 8.0, all_values: false, seed: 1 };
     /// An hour.
-    pub const FULL: Self = Self { rays: 8_000_000, passes: 2048, all_values: true, seed: 1 };
+    pub const FULL: Self = Self { rays: 4_000_000, patience: 200.0, all_values: true, seed: 1 };
 
     /// The values of a case that are looked at: all, or the tame one, one between and the most extreme.
     #[must_use]

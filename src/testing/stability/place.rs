@@ -6,7 +6,7 @@ use super::cell::{Cell, Verdict};
 /// What a cell is called in file names.
 #[must_use]
 pub fn stage_name(case: &Case, value: f64) -> String {
-    format!("{}-{}-{value:e}", case.group, case.name)
+    format!("{}-{}-{value:e}", case.group, case.name.replace(' ', "-"))
 }
 
 /// The cell's place in the table, of which nothing else is known.

@@ -11,15 +11,15 @@ use super::case::{Case, Stage, Truth};
 use super::cases::FILM;
 use super::cell::{Cell, Verdict};
 use super::judge::{Sampled, judge};
-use super::measure::{LONGEST, Measured, definition};
+use super::measure::{FEWEST_PASSES, LONGEST, Measured, definition};
 use super::place::blank;
 use super::run::Run;
 
-/// Rays grow with the parameter where their exponent is larger than this.
-const GROWS: f64 = 0.3;
+/// Exponents of rays over the parameter that make a law: below, nothing grows; above, it is a jump.
+const GROWS: std::ops::Range<f64> = 0.3..3.0;
 
-/// A pass of so many rays is not even tried where they have grown by the same law twice.
-const TRIED: f64 = 1e10;
+/// Where the first pass is foretold to take so many times the rays of other cells, it is not even tried.
+const TRIED: f64 = 100.0;
 
 /// For what rays do not tell: the time for a cell, with the effort of a quick run.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
@@ -57,7 +57,7 @@ impl Sweep {
             return Cell { verdict: Verdict::Blind, details, ..cell };
         }
         if let Some((expected, law)) = self.expected_rays(case, value)
-            && expected * f64::from(FILM.width * FILM.height) > TRIED
+            && expected * f64::from(FILM.width * FILM.height) > TRIED * run.effort.rays as f64
         {
             return Cell {
                 verdict: Verdict::Slow,
@@ -65,7 +65,7 @@ impl Sweep {
                 ..cell
             };
         }
-        let limit = TIME_LIMIT.mul_f64(run.effort.passes as f64 / Effort::QUICK.passes as f64);
+        let limit = TIME_LIMIT.mul_f64(run.effort.patience / Effort::QUICK.patience);
         let start = Instant::now();
         let ends = || stop() || start.elapsed() > limit;
         let mut measured = Measured::new(integrator, scene, run.effort, &ends);
@@ -74,7 +74,7 @@ impl Sweep {
             short.ok().and_then(|short| definition(short.integrator.as_ref(), scene, run.effort.seed));
         self.rays.push((value, measured.rays_per_sample()));
         let cell = self.measured(cell, stage, &measured, run.tests());
-        if (measured.passes.len() as u64) < run.effort.passes {
+        if (measured.passes.len() as u64) < FEWEST_PASSES {
             let law = self.law(case).map_or_else(String::new, |(_, law)| law);
             let (rays, seconds) = (measured.rays_per_sample(), measured.seconds / measured.samples().max(1) as f64);
             let details = format!("{rays:.0e} rays and {seconds:.1e} s a sample{law}");
@@ -133,17 +133,17 @@ impl Sweep {
 
     /// The exponent of rays over the parameter between the last two values, in numbers and in words.
     fn law(&self, case: &Case) -> Option<(f64, String)> {
-        let exponent = exponent(&self.rays).filter(|exponent| exponent.abs() > GROWS)?;
+        let exponent = exponent(&self.rays).filter(|exponent| GROWS.contains(&exponent.abs()))?;
         Some((exponent, format!(", growing as ({})^{exponent:.1}", case.parameter)))
     }
 
-    /// Rays of a sample, and the law that foretells them, where they have followed it twice.
+    /// Rays of a sample, and the law that foretells them, where nothing speaks against it.
     fn expected_rays(&self, case: &Case, value: f64) -> Option<(f64, String)> {
-        let (exponent_now, law) = self.law(case)?;
+        let (now, law) = self.law(case)?;
         let &(last, rays) = self.rays.last()?;
-        let exponent_before = exponent(&self.rays[..self.rays.len() - 1])?;
-        let steady = (0.5..2.0).contains(&(exponent_now / exponent_before));
-        steady.then(|| (rays * libm::pow(value / last, exponent_now), law))
+        let before = exponent(&self.rays[..self.rays.len() - 1]);
+        let steady = before.is_none_or(|before| (0.5..2.0).contains(&(now / before)));
+        steady.then(|| (rays * libm::pow(value / last, now), law))
     }
 }
 

@@ -13,4 +13,5 @@ mod references;
 mod reproducibility;
 mod resumption;
 mod sample_files;
+mod stability;
 mod support;

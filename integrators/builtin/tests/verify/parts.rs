@@ -64,7 +64,8 @@ impl BsdfModel for Varnish {
         }
         let (to_emitter, to_sensor) = side.by_role(from, to);
         let value = self.eval(to_emitter, to_sensor) * self.value;
-        Some(BsdfSample { to, density: LobeDensity::Finite(self.density(from, to)), value })
+        // The rim of the hemisphere, u = 0, has density zero.
+        (to.z > 0.0).then(|| BsdfSample { to, density: LobeDensity::Finite(self.density(from, to)), value })
     }
 }
 

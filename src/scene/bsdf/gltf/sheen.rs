@@ -48,6 +48,8 @@ fn lobe(alpha: f64, i: DVec3, o: DVec3) -> f64 {
 
 /// Their fit to Λ of the distribution, mirrored around cos θ = 1/2.
 fn lambda(cos: f64, alpha: f64) -> f64 {
+    // Rounded directions may exceed one, and the power of what is negative is no number.
+    let cos = cos.min(1.0);
     libm::exp(if cos < 0.5 { fit(cos, alpha) } else { 2.0 * fit(0.5, alpha) - fit(1.0 - cos, alpha) })
 }
 

@@ -3,6 +3,7 @@
 mod bsdf;
 mod counting;
 mod emitter;
+mod ends;
 mod reversal;
 mod sensor;
 
@@ -40,11 +41,13 @@ pub fn verify_parts(effort: Effort) -> Report {
 }
 
 /// Checks a model of scattering: samples follow its density, its Dirac lobes their probabilities, and samples say what
-/// [`BsdfModel::eval`] and [`BsdfModel::density`] say.
+/// [`BsdfModel::eval`] and [`BsdfModel::density`] say, none of them anything impossible at the ends of `[0, 1)`.
 #[must_use]
 pub fn verify_bsdf(label: &str, model: &dyn BsdfModel, effort: Effort) -> Report {
     let random = &mut Random::new(effort.seed, 0, 0);
-    Report::new(label.into(), bsdf::checks(model, label, label, draws(effort), random))
+    let mut checks = bsdf::checks(model, label, label, draws(effort), random);
+    checks.push(ends::of_bsdf(model, label, label));
+    Report::new(label.into(), checks)
 }
 
 /// What was not seen in an earlier scene: they share many parts.
@@ -62,12 +65,14 @@ fn of_stage(stage: &Stage, seen: &mut Vec<String>, effort: Effort, random: &mut 
         let kind = if let Bsdf::Diffuse(_) = model { "diffuse".to_owned() } else { format!("{model:?}") };
         if new(kind) {
             checks.extend(bsdf::checks(model.as_model(), name, &format!("'{material}'"), n, random));
+            checks.push(ends::of_bsdf(model.as_model(), name, &format!("'{material}'")));
         }
     }
     let ids = (0..scene.emitters().len() as u32).map(EmitterId);
     let points = [scene.sensor().position(), scene.sensor().position() + DVec3::new(0.05, -0.1, -0.2)];
     let mut kinds = Vec::new();
     for id in ids.filter(|&id| new(format!("{:?}", scene.emitter(id)))) {
+        checks.push(ends::of_emitter(&scene, id, &points, name, &format!("'{}'", scene.emitter_name(id))));
         let kind = std::mem::discriminant(scene.emitter(id));
         if kinds.iter().filter(|other| **other == kind).count() >= EMITTERS {
             continue;
@@ -80,6 +85,10 @@ fn of_stage(stage: &Stage, seen: &mut Vec<String>, effort: Effort, random: &mut 
     }
     if new(format!("{:?}", stage.scene.sensor)) {
         checks.push(sensor::check(&scene, name, n, random));
+        checks.extend(scene.surfaces().map(|surfaces| {
+            let x = surfaces.sample(&scene, [0.4, 0.5, 0.6]);
+            ends::of_sensor(&scene, &x, name)
+        }));
     }
     checks
 }
