@@ -11,7 +11,6 @@ mod external;
 mod journal;
 mod judge;
 mod measure;
-mod place;
 mod run;
 mod summary;
 mod sweep;
@@ -23,7 +22,6 @@ pub use cell::{Cell, Verdict};
 pub use external::External;
 pub use journal::Journal;
 pub use judge::{POWER, SIGNIFICANCE};
-pub use place::{blank, stage_name};
 pub use run::{Progress, Run, beyond};
 pub use summary::{Outcome, outcome};
 
