@@ -117,6 +117,30 @@ def aquarium(alpha: float = 0.0) -> str:
     return scene(body, camera("0.1, 0, 0", "0.3, 1, 0.4", lens=LENS))
 
 
+LEANING = """v -1 -0.5 1
+v 1 -0.5 1
+v 1 -0.5 -1
+v -1 -0.5 -1
+vn -0.5 1 0.5
+vn 0.5 1 0.5
+vn 0.5 1 -0.5
+vn -0.5 1 -0.5
+f 1//1 2//2 3//3
+f 1//1 3//3 4//4
+"""
+"""A square whose normals lean outwards, as an OBJ file."""
+
+
+def relief(mesh: str, bsdf: str) -> str:
+    """A box whose floor, in a file, has normals that are not the geometric ones."""
+    body = (
+        shape("cube", diffuse("0.6, 0.5, 0.4"), rest=INWARDS)
+        + shape("obj", bsdf, rest=f'<string name="filename" value="{mesh}"/>')
+        + shape("rectangle", diffuse("0.5"), LAMP, "5, 4, 3")
+    )
+    return scene(body, camera("0.1, 0.3, 0.9", "0, -0.6, -0.3"))
+
+
 def corner(distance: float) -> str:
     """Two emitting walls that meet at an edge, which the camera looks at from nearby."""
     wall = diffuse("0.8, 0.6, 0.4")

@@ -127,6 +127,17 @@ def test_glass_mirror_sky_and_lens(tmp_path: Path, integrator: str, more: tuple[
 
 
 @needs_program
+@pytest.mark.parametrize("alpha", [None, 0.2])
+def test_normals_that_are_not_the_geometric_ones(tmp_path: Path, alpha: float | None) -> None:
+    (tmp_path / "floor.obj").write_text(scenes.LEANING)
+    bsdf = scenes.rough(alpha) if alpha else scenes.diffuse("0.7, 0.6, 0.5")
+    lines, scene = log(tmp_path, scenes.relief("floor.obj", bsdf), "bdpt", lines=60)
+    lines = [line for line in lines if any(vertex["shading_normal"] for vertex in line["vertices"])]
+    assert len(lines) > 10
+    check(lines[:16], scene)
+
+
+@needs_program
 def test_logs_are_read_by_the_command_line(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -151,13 +162,13 @@ def test_logs_are_read_by_the_command_line(
 
 @needs_program
 def test_the_suite_evaluates_its_logs(tmp_path: Path) -> None:
-    command = [PROGRAM, "stability", "across-a-corner", "powers", "-o"]
+    command = [PROGRAM, "stability", "across a corner", "powers", "-o"]
     here = {**os.environ, "PATHSPACE_PYTHON": sys.executable}
     done = subprocess.run([*command, tmp_path], cwd=ROOT, env=here, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     with (tmp_path / "stability.csv").open() as file:
         cells = list(csv.DictReader(file))
-    assert [cell["case"] for cell in cells] == ["across-a-corner"] * 3 + ["powers"] * 3
+    assert [cell["case"] for cell in cells] == ["across a corner"] * 3 + ["powers"] * 3
     for cell in cells:
         assert (cell["method"], cell["verdict"]) == ("core", "holds")
         assert 0 < float(cell["difference"]) < float(cell["detectable"]) < 1e-4

@@ -104,13 +104,14 @@ impl Scene {
     }
 }
 
-/// Weights of the second and third corner for a point of the triangle.
+/// Weights of the second and third corner for a point of the triangle; of its middle where it has no area.
 fn barycentric(triangle: &Triangle, point: DVec3) -> [f64; 2] {
     let [a, b, c] = triangle.corners;
     let (v, w, p) = (b - a, c - a, point - a);
     let normal = v.cross(w);
     let scale = 1.0 / normal.length_squared();
-    [p.cross(w).dot(normal) * scale, v.cross(p).dot(normal) * scale]
+    let weights = [p.cross(w).dot(normal) * scale, v.cross(p).dot(normal) * scale];
+    if weights.iter().all(|weight| weight.is_finite()) { weights } else { [1.0 / 3.0; 2] }
 }
 
 /// Texture coordinates and the tangents along both, as Mitsuba 3 has them.

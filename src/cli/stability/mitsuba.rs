@@ -21,7 +21,7 @@ const VARIANTS: [(&str, &str); 2] =
     [("scalar_rgb", "mitsuba:path:scalar_rgb"), ("llvm_ad_rgb", "mitsuba:path:llvm_ad_rgb")];
 
 /// For a cell \[s\]; with all values and samples.
-const SECONDS: [f64; 2] = [0.3, 3.0];
+const SECONDS: [f64; 2] = [0.3, 1.0];
 
 /// For all cells.
 const LIMIT: Duration = Duration::from_secs(6 * 3600);
@@ -115,7 +115,7 @@ fn write_scenes(asked: &mut [Asked<'_>], folder: &Path) -> anyhow::Result<()> {
     for asked in asked {
         let scene = &asked.stage.scene;
         let film = scene.film.unwrap_or(ExportOptions::default().film);
-        let place = asked.id().replace(' ', "_");
+        let place = asked.case.file_name(asked.value);
         let options = ExportOptions { film, ..ExportOptions::default() };
         match export(scene, &options, &folder.join(&place)) {
             Ok(_) => cells.push(Exported {

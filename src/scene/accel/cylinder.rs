@@ -133,6 +133,8 @@ impl CylinderShape {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampler::Random;
+    use crate::warp::uniform_sphere;
 
     fn pipe() -> CylinderShape {
         CylinderShape::new(DVec3::new(1.0, 0.0, 0.0), DVec3::Z * 2.0, 0.5, false, 0)
@@ -164,6 +166,27 @@ mod tests {
         assert!(pipe.blocks(&forth, 4.0, false, false), "passes through");
         assert!(!pipe.blocks(&forth, 1.0, false, false), "stays before it");
         assert!(!pipe.blocks(&Ray::new(DVec3::new(0.5, 0.0, 1.0), DVec3::X), 1.0, true, true), "from wall to wall");
+    }
+
+    /// A wire of 10⁻⁹ of its length and of its distance: what is aimed just inside is met, what is aimed just beside is not.
+    #[test]
+    fn a_wire_is_met() {
+        let mut random = Random::new(8, 0, 0);
+        for _ in 0..10_000 {
+            let axis = uniform_sphere(random.uniform2());
+            let base = uniform_sphere(random.uniform2());
+            let wire = CylinderShape::new(base, axis, 1e-9, false, 0);
+            let across = axis.cross(uniform_sphere(random.uniform2())).normalize();
+            let side = axis.cross(across);
+            let middle = base + axis * (0.1 + 0.8 * random.uniform());
+            let origin = middle + across + axis * (random.uniform() - 0.5);
+            let aimed = |off: f64| Ray::new(origin, (middle + side * (off * 1e-9) - origin).normalize());
+            let ray = aimed(0.9999);
+            let t = wire.intersect(&ray, false).expect("aimed inside");
+            let point = wire.nearest(ray.at(t));
+            assert!((point.position - ray.at(t)).length() < 1e-14 && point.normal.is_normalized());
+            assert!(wire.intersect(&aimed(1.0001), false).is_none());
+        }
     }
 
     #[test]

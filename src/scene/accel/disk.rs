@@ -79,6 +79,31 @@ impl DiskShape {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sampler::Random;
+    use crate::warp::uniform_sphere;
+
+    /// Its axes are as 1 to 10⁹: what is aimed just inside is met, what is aimed just outside is not.
+    #[test]
+    fn an_ellipse_may_be_a_needle() {
+        let mut random = Random::new(7, 0, 0);
+        for i in 0..10_000 {
+            let (along, other) = (uniform_sphere(random.uniform2()), uniform_sphere(random.uniform2()));
+            let across = along.cross(other).normalize();
+            let centre = uniform_sphere(random.uniform2());
+            let disk = DiskShape::new(centre, [along, across * 1e-9], i % 2 == 0, 0);
+            let origin = centre + (disk.normal + 0.5 * other) * (1.0 + random.uniform());
+            let (x, y) = crate::warp::sin_cos_turn(random.uniform());
+            let met = |share: f64| {
+                let target = disk.at(DVec2::new(x, y) * share).position;
+                disk.intersect(&Ray::new(origin, (target - origin).normalize()))
+            };
+            if (origin - centre).dot(disk.normal).abs() > 0.1 {
+                let t = met(1.0 - 1e-5).expect("aimed inside");
+                assert!((t - (disk.at(DVec2::new(x, y)).position - origin).length()).abs() < 1e-4);
+                assert_eq!(met(1.0 + 1e-5), None);
+            }
+        }
+    }
 
     #[test]
     fn a_ray_meets_the_ellipse_and_not_the_plane_beyond() {

@@ -24,7 +24,7 @@ fn sphere(sphere: &Sphere, centre: DVec3, shape: u32) -> Analytic {
     let Sphere { radius, axes, inward, .. } = *sphere;
     let centre = sphere.centre - centre;
     Analytic {
-        shape: AnalyticShape::Sphere(SphereShape { centre, radius, inward, shape }),
+        shape: AnalyticShape::Sphere(SphereShape::new(centre, radius, inward, shape)),
         placement: Placement::new(centre, axes * radius),
     }
 }

@@ -16,7 +16,7 @@ pub const POWER: f64 = 0.9;
 const COARSEST: f64 = 0.1;
 
 /// Pixels of passes that are not black: fewer say nothing.
-const FEWEST: usize = 50;
+pub(super) const FEWEST_LIT: usize = 50;
 
 /// What Welch's tail tells of few outliers that make up all of the variance.
 const FEW_OUTLIERS: f64 = 0.3;
@@ -100,7 +100,7 @@ pub(super) fn judge(cell: &mut Cell, mut sampled: Sampled, tests: usize) {
         (Verdict::Fails, format!("a term is off its definition by {definition:.0e}"))
     } else if truth == 0.0 && lit == 0 {
         (Verdict::Holds, String::new())
-    } else if lit < FEWEST && !sampled.alike {
+    } else if lit < FEWEST_LIT && !sampled.alike {
         (Verdict::Noise, format!("light was found {lit} times"))
     } else if let Some(tail) = tail.filter(|tail| noisy && tail.is_infinite()) {
         (Verdict::Noise, format!("no variance in sight: tail index {:.1}", tail.alpha))
@@ -130,7 +130,6 @@ pub(super) fn too_rare(cell: &mut Cell) {
 #[cfg(test)]
 mod tests {
     use super::super::case::{Case, Exact, Subject};
-    use super::super::place::blank;
     use super::*;
     use crate::sampler::Random;
 
@@ -154,7 +153,7 @@ mod tests {
             sampled.draws += 48;
         }
         change(&mut sampled);
-        let mut cell = Cell { truth: Some(1.0), ..blank(&case(), 2.0, "m") };
+        let mut cell = Cell { truth: Some(1.0), ..Cell::of(&case(), 2.0, "m") };
         judge(&mut cell, sampled, 1000);
         cell
     }

@@ -9,9 +9,20 @@ use crate::spectrum::Rgb;
 use crate::testing::definition::Comparison;
 
 use super::Effort;
+use super::judge::FEWEST_LIT;
 
-/// A cell that takes this many times the rays of others is given up after the first pass.
+/// Fewer passes say nothing about their variance.
+pub(super) const FEWEST_PASSES: u64 = 32;
+
+/// A cell whose fewest passes take this many times the rays of others is given up after the first.
 const TOO_LONG: f64 = 40.0;
+
+/// Bias that is to be detectable where more passes make it so, and in how many standard errors that is.
+const TARGET: f64 = 0.08;
+const ERRORS: f64 = 7.0;
+
+/// How many of the brightest pixels may be missing.
+const UNSEEN: f64 = 17.0;
 
 /// Paths longer than this are not compared with the definition: it takes the square of the length, and so do the paths of all
 /// terms of a sample.
@@ -44,7 +55,7 @@ impl Measured {
     pub fn new(integrator: &dyn Integrator, scene: &Scene, effort: Effort, stop: &dyn Fn() -> bool) -> Self {
         let size = scene.sensor().film();
         let mut film = Film::new(size.width, size.height, None).expect("stages have pixels");
-        let mut watch = Watch { effort, stop, before: Vec::new(), measured: Self::default() };
+        let mut watch = Watch { effort, stop, before: Vec::new(), passes: None, measured: Self::default() };
         let start = Instant::now();
         integrator.render(scene, effort.seed, &mut film, &mut watch);
         let mut measured = watch.measured;
@@ -78,7 +89,25 @@ struct Watch<'a> {
     stop: &'a dyn Fn() -> bool,
     /// Sum of each pixel before the last pass.
     before: Vec<Rgb>,
+    /// How many are drawn, once it is known.
+    passes: Option<u64>,
     measured: Measured,
+}
+
+impl Watch<'_> {
+    /// Decided once, after the first stage, so that the mean of all passes does not depend on when they end (Stein 1945).
+    fn needed(&self, film: &Film) -> u64 {
+        let moments = self.measured.moments();
+        let values = &self.measured.values;
+        let largest = values.iter().copied().fold(0.0, f64::max);
+        let lit = values.iter().filter(|&&value| value > 1e-9 * largest).count();
+        let error = moments.variance_of_mean().sqrt() / moments.mean;
+        let unseen = UNSEEN * largest / (values.len() as f64 * moments.mean);
+        let factor = (2.0 * ERRORS * error / TARGET).powi(2).max(2.0 * unseen / TARGET).max(1.0);
+        let affordable = film.counters.rays as f64 * factor <= self.effort.patience * self.effort.rays as f64;
+        let passes = film.passes();
+        if lit >= FEWEST_LIT && affordable { (passes as f64 * factor).ceil() as u64 } else { passes }
+    }
 }
 
 impl Control for Watch<'_> {
@@ -94,9 +123,12 @@ impl Control for Watch<'_> {
             self.measured.passes.push(pass.iter().sum::<f64>() / pass.len() as f64);
             self.before = sums;
         }
-        let Effort { rays, passes: fewest, .. } = self.effort;
-        let enough = passes >= fewest && film.counters.rays >= rays;
-        let expected = film.counters.rays as f64 * fewest as f64 / passes.max(1) as f64;
+        let rays = self.effort.rays;
+        if self.passes.is_none() && passes >= FEWEST_PASSES && film.counters.rays >= rays {
+            self.passes = Some(self.needed(film));
+        }
+        let enough = self.passes.is_some_and(|needed| passes >= needed);
+        let expected = film.counters.rays as f64 * FEWEST_PASSES as f64 / passes.max(1) as f64;
         let too_long = expected > TOO_LONG * rays as f64;
         u64::from(!(enough || too_long || (self.stop)()))
     }

@@ -11,7 +11,6 @@ mod external;
 mod journal;
 mod judge;
 mod measure;
-mod place;
 mod run;
 mod summary;
 mod sweep;
@@ -23,7 +22,6 @@ pub use cell::{Cell, Verdict};
 pub use external::External;
 pub use journal::Journal;
 pub use judge::{POWER, SIGNIFICANCE};
-pub use place::{blank, stage_name};
 pub use run::{Progress, Run, beyond};
 pub use summary::{Outcome, outcome};
 
@@ -32,8 +30,8 @@ pub use summary::{Outcome, outcome};
 pub struct Effort {
     /// Rays of a cell.
     pub rays: u64,
-    /// Passes over the film of a cell, at least.
-    pub passes: u64,
+    /// Times as many where it takes so many to find a bias of 8 %.
+    pub patience: f64,
     /// All values of a parameter rather than three of them.
     pub all_values: bool,
     /// Seed of the random numbers.
@@ -42,9 +40,9 @@ pub struct Effort {
 
 impl Effort {
     /// Minutes on one core.
-    pub const QUICK: Self = Self { rays: 1_000_000, passes: 32, all_values: false, seed: 1 };
+    pub const QUICK: Self = Self { rays: 1_000_000, patience: 8.0, all_values: false, seed: 1 };
     /// An hour.
-    pub const FULL: Self = Self { rays: 8_000_000, passes: 2048, all_values: true, seed: 1 };
+    pub const FULL: Self = Self { rays: 4_000_000, patience: 200.0, all_values: true, seed: 1 };
 
     /// The values of a case that are looked at: all, or the tame one, one between and the most extreme.
     #[must_use]

@@ -11,15 +11,14 @@ use super::case::{Case, Stage, Truth};
 use super::cases::FILM;
 use super::cell::{Cell, Verdict};
 use super::judge::{Sampled, judge};
-use super::measure::{LONGEST, Measured, definition};
-use super::place::blank;
+use super::measure::{FEWEST_PASSES, LONGEST, Measured, definition};
 use super::run::Run;
 
 /// Exponents of rays over the parameter that make a law: below, nothing grows; above, it is a jump.
 const GROWS: std::ops::Range<f64> = 0.3..3.0;
 
-/// For each pass of a cell: where so many rays are foretold for the first one, it is not even tried.
-const TRIED: f64 = 3e6;
+/// Where the first pass is foretold to take so many times the rays of other cells, it is not even tried.
+const TRIED: f64 = 100.0;
 
 /// For what rays do not tell: the time for a cell, with the effort of a quick run.
 const TIME_LIMIT: Duration = Duration::from_secs(60);
@@ -51,13 +50,13 @@ impl Sweep {
         run: &Run<'_>,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Cell {
-        let cell = blank(case, value, &self.label);
+        let cell = Cell::of(case, value, &self.label);
         let blind = integrator.supports(scene).err().or_else(|| integrator.misses(scene));
         if let Some(details) = blind {
             return Cell { verdict: Verdict::Blind, details, ..cell };
         }
         if let Some((expected, law)) = self.expected_rays(case, value)
-            && expected * f64::from(FILM.width * FILM.height) > TRIED * run.effort.passes as f64
+            && expected * f64::from(FILM.width * FILM.height) > TRIED * run.effort.rays as f64
         {
             return Cell {
                 verdict: Verdict::Slow,
@@ -65,7 +64,7 @@ impl Sweep {
                 ..cell
             };
         }
-        let limit = TIME_LIMIT.mul_f64(run.effort.passes as f64 / Effort::QUICK.passes as f64);
+        let limit = TIME_LIMIT.mul_f64(run.effort.patience / Effort::QUICK.patience);
         let start = Instant::now();
         let ends = || stop() || start.elapsed() > limit;
         let mut measured = Measured::new(integrator, scene, run.effort, &ends);
@@ -74,7 +73,7 @@ impl Sweep {
             short.ok().and_then(|short| definition(short.integrator.as_ref(), scene, run.effort.seed));
         self.rays.push((value, measured.rays_per_sample()));
         let cell = self.measured(cell, stage, &measured, run.tests());
-        if (measured.passes.len() as u64) < run.effort.passes {
+        if (measured.passes.len() as u64) < FEWEST_PASSES {
             let law = self.law(case).map_or_else(String::new, |(_, law)| law);
             let (rays, seconds) = (measured.rays_per_sample(), measured.seconds / measured.samples().max(1) as f64);
             let details = format!("{rays:.0e} rays and {seconds:.1e} s a sample{law}");

@@ -21,14 +21,14 @@ pub(super) fn cases() -> Vec<Case> {
             .about("densities spread over so many decades either way: the weights of all techniques add up to one"),
         new("exponents", ("exponent", &[1.0, 2.0, 10.0, 100.0]), |exponent| partition(300.0, exponent))
             .about("the power heuristic of 300 decades either way: the same"),
-        log("long-paths", ("edges", &[10.0, 100.0, 1000.0]), long_paths)
+        log("long paths", ("edges", &[10.0, 100.0, 1000.0]), long_paths)
             .about("f, all densities and all weights of paths in a diffuse enclosure, against 60 digits"),
         log("sizes", ("factor", &[1.0, 1e-3, 1e3, 1e-6, 1e6, 1e-9, 1e9]), sizes)
             .about("the same in an enclosure that is so many times as large"),
-        log("narrow-lobes", ("alpha", &[1e-1, 1e-2, 1e-4, 1e-6, 1e-8]), narrow_lobes).about(
+        log("narrow lobes", ("alpha", &[1e-1, 1e-2, 1e-4, 1e-6, 1e-8]), narrow_lobes).about(
             "the same of paths between rough metal and rough glass: digits that a narrow lobe takes cancel in f/p",
         ),
-        log("across-a-corner", ("distance", &[1e-1, 1e-3, 1e-5, 1e-7, 1e-9]), across_a_corner)
+        log("across a corner", ("distance", &[1e-1, 1e-3, 1e-5, 1e-7, 1e-9]), across_a_corner)
             .about("the same of connections between walls near the edge in which they meet"),
         log("powers", ("exponent", &[1.0, 2.0, 10.0, 100.0]), powers)
             .about("the same of the power heuristic, of paths through narrow lobes"),
