@@ -4,7 +4,7 @@ use glam::DVec3;
 use pathspace::estimator::RecordedTerm;
 use pathspace::path::Vertex;
 use pathspace::scene::Scene;
-use pathspace::scene::description::{BsdfDescription, LightKind, SceneDescription};
+use pathspace::scene::description::{BsdfDescription, LightKind, Projection, SceneDescription};
 
 /// What f/p of a path may be off by between two ways of computing it, to first order: a walk draws directions, the
 /// definition takes them from positions, which are rounded by ε of their size. A direction is then off by ε · size / length,
@@ -33,6 +33,26 @@ pub fn relative_error(scene: &Scene, description: &SceneDescription, term: &Reco
         size / offset.length() * (steepest + 1.0 / cosine)
     };
     64.0 * f64::EPSILON * vertices.windows(2).map(per_edge).sum::<f64>()
+}
+
+/// Rounding of directions in pixels: samplers keep 1e-9 of a pixel away from its edges, and rounding of more than that may
+/// give what is drawn there to a neighbour.
+pub fn rounds_beyond_pixels(description: &SceneDescription) -> bool {
+    let Some(sensor) = &description.sensor else { return false };
+    let in_image = match sensor.projection {
+        Projection::Perspective { vertical_fov, lens, .. } => {
+            let tangent = libm::tan(0.5 * vertical_fov);
+            // A direction's tangent; on a lens also where it is met, over the distance of the plane in focus.
+            let offset =
+                lens.map_or(0.0, |lens| (lens.aperture_radius + sensor.position.length()) / lens.focus_distance);
+            (1.0 + tangent * tangent + offset) / tangent
+        }
+        Projection::Orthographic { half_height, .. } | Projection::Window { half_height, .. } => {
+            1.0 + sensor.position.length() / half_height
+        }
+        _ => 1.0,
+    };
+    64.0 * f64::EPSILON * in_image > 1e-9
 }
 
 fn cosine(vertex: &Vertex, direction: DVec3) -> f64 {

@@ -79,6 +79,10 @@ fn disagreement(
     description: &SceneDescription,
     term: &RecordedTerm,
 ) -> Option<String> {
+    let seen_by = scene.contribution(&term.path).map(|contribution| contribution.pixel);
+    if seen_by != Some(term.term.pixel) && condition::rounds_beyond_pixels(description) {
+        return None;
+    }
     let mut comparison = Comparison::default();
     let densities = comparison.add(definition, scene, term);
     let allowed = TOLERANCE.max(condition::relative_error(scene, description, term));

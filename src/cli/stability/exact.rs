@@ -13,7 +13,7 @@ use crate::estimator::Registry;
 use crate::experiment::Mitsuba;
 use crate::experiment::process::{Ended, Line, run_limited};
 use crate::film::output::write_atomically;
-use crate::testing::stability::{Case, Cell, Effort, Journal, Subject, Verdict, beyond, blank, stage_name};
+use crate::testing::stability::{Case, Cell, Effort, Journal, Subject, Verdict, beyond};
 
 /// All logs, on a slow machine.
 const LIMIT: Duration = Duration::from_secs(1800);
@@ -57,8 +57,8 @@ pub(super) fn cells(registry: &Registry, cases: &[Case], effort: Effort, folder:
             if interrupt::requested() {
                 return Ok(Vec::new());
             }
-            let log = logs_folder.join(format!("{}.jsonl", stage_name(case, value)));
-            let mut cell = blank(case, value, CORE);
+            let log = logs_folder.join(format!("{}.jsonl", case.file_name(value)));
+            let mut cell = Cell::of(case, value, CORE);
             match write(registry, &make(value), effort.seed, &log)? {
                 Ok(()) => drop(logs.insert(log, cells.len())),
                 Err(why) => cell.details = why,

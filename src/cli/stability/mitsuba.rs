@@ -115,7 +115,7 @@ fn write_scenes(asked: &mut [Asked<'_>], folder: &Path) -> anyhow::Result<()> {
     for asked in asked {
         let scene = &asked.stage.scene;
         let film = scene.film.unwrap_or(ExportOptions::default().film);
-        let place = asked.id().replace(' ', "_");
+        let place = asked.case.file_name(asked.value);
         let options = ExportOptions { film, ..ExportOptions::default() };
         match export(scene, &options, &folder.join(&place)) {
             Ok(_) => cells.push(Exported {

@@ -44,7 +44,7 @@ Examples:
   pathspace stability light/ --integrators path,bdpt:heuristic=power
   pathspace stability --full -o results/stability-full
 
-Exit code 0: nothing of ours fails; 1: something does.";
+Exit code 0: nothing of ours fails or is missing; 1: something is.";
 
 /// Where numbers hold, and where they stop holding: stiff and extreme cases with known answers
 #[derive(Debug, Args)]
@@ -58,7 +58,7 @@ pub(super) struct StabilityArgs {
     #[arg(long, value_name = "NAME[:setting=value…]", value_delimiter = ',')]
     integrators: Vec<String>,
 
-    /// All values of all parameters, four times as many samples, and up to 800 times where needed
+    /// All values of all parameters, four times as many samples, and up to 200 times where needed
     #[arg(long)]
     full: bool,
 
@@ -159,6 +159,13 @@ fn ending(cells: &[Cell]) -> Outcome {
     for cell in ours().filter(|cell| cell.verdict == Verdict::Fails) {
         let Cell { group, case, parameter, value, method, details, .. } = cell;
         complain("FAILS", &format!("{group}/{case} {method}: {parameter} = {}: {details}", table::value(*value)));
+    }
+    let missing: Vec<&Cell> = ours().filter(|cell| cell.verdict == Verdict::Missing).collect();
+    if let Some(first) = missing.first() {
+        complain(
+            "missing",
+            &format!("{} cells, {}/{} first: {}", missing.len(), first.group, first.case, first.details),
+        );
     }
     if interrupt::requested() {
         Outcome::Interrupted

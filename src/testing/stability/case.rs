@@ -83,6 +83,12 @@ impl Case {
         format!("{}/{}", self.group, self.name)
     }
 
+    /// What files of a value are called.
+    #[must_use]
+    pub fn file_name(&self, value: f64) -> String {
+        format!("{}-{}-{value:e}", self.group, self.name.replace(' ', "-"))
+    }
+
     /// It ends before this value by nature.
     #[must_use]
     pub fn is_beyond(&self, value: f64) -> bool {

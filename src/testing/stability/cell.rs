@@ -4,8 +4,10 @@ use std::fmt;
 
 use serde::{Serialize, Serializer};
 
+use super::case::Case;
+
 /// What is said of a cell.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Verdict {
     /// The truth lies within the noise, which is small enough to say so, and nothing impossible was seen.
     Holds,
@@ -20,6 +22,7 @@ pub enum Verdict {
     /// It does not hold.
     Fails,
     /// It could not be measured.
+    #[default]
     Missing,
 }
 
@@ -52,7 +55,7 @@ impl Serialize for Verdict {
 }
 
 /// One value of a case by one method; columns stand in the order of the fields. What is unknown is `None`.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Cell {
     /// Version of this table.
     pub schema: u32,
@@ -113,6 +116,13 @@ pub struct Cell {
 impl Cell {
     /// Version of the table.
     pub const SCHEMA: u32 = 1;
+
+    /// A cell of which nothing is known but where it stands.
+    #[must_use]
+    pub fn of(case: &Case, value: f64, method: &str) -> Self {
+        let (group, name, parameter) = (case.group.into(), case.name.into(), case.parameter.into());
+        Self { schema: Self::SCHEMA, group, case: name, parameter, value, method: method.into(), ..Self::default() }
+    }
 
     /// It fails, or is missing.
     #[must_use]

@@ -5,7 +5,6 @@ use crate::film::Moments;
 use super::case::{Case, Stage, Truth};
 use super::cell::{Cell, Verdict};
 use super::judge::{Sampled, judge, too_rare};
-use super::place::blank;
 
 /// What single precision loses in some hundred steps: no less is asked of it.
 const SINGLE_PRECISION: f64 = 1e-5;
@@ -52,7 +51,7 @@ impl Cell {
         others: bool,
         tests: usize,
     ) -> Self {
-        let mut cell = blank(case, value, method);
+        let mut cell = Cell::of(case, value, method);
         let estimates = told.moments();
         let (truth, against) = match stage.truth {
             Truth::Value(truth) => (truth, Moments::default()),
@@ -97,6 +96,6 @@ impl Cell {
     /// A value of a case by another program that gave no numbers.
     #[must_use]
     pub fn without_numbers(case: &Case, value: f64, method: &str, verdict: Verdict, details: String) -> Self {
-        Self { verdict, details, ..blank(case, value, method) }
+        Self { verdict, details, ..Cell::of(case, value, method) }
     }
 }

@@ -130,7 +130,6 @@ pub(super) fn too_rare(cell: &mut Cell) {
 #[cfg(test)]
 mod tests {
     use super::super::case::{Case, Exact, Subject};
-    use super::super::place::blank;
     use super::*;
     use crate::sampler::Random;
 
@@ -154,7 +153,7 @@ mod tests {
             sampled.draws += 48;
         }
         change(&mut sampled);
-        let mut cell = Cell { truth: Some(1.0), ..blank(&case(), 2.0, "m") };
+        let mut cell = Cell { truth: Some(1.0), ..Cell::of(&case(), 2.0, "m") };
         judge(&mut cell, sampled, 1000);
         cell
     }

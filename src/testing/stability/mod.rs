@@ -11,7 +11,6 @@ mod external;
 mod journal;
 mod judge;
 mod measure;
-mod place;
 mod run;
 mod summary;
 mod sweep;
@@ -23,7 +22,6 @@ pub use cell::{Cell, Verdict};
 pub use external::External;
 pub use journal::Journal;
 pub use judge::{POWER, SIGNIFICANCE};
-pub use place::{blank, stage_name};
 pub use run::{Progress, Run, beyond};
 pub use summary::{Outcome, outcome};
 
@@ -44,7 +42,7 @@ impl Effort {
     /// Minutes on one core.
     pub const QUICK: Self = Self { rays: 1_000_000, patience: 8.0, all_values: false, seed: 1 };
     /// An hour.
-    pub const FULL: Self = Self { rays: 4_000_000, patience: 200.0, all_values: true, seed: 1 };
+    pub const FULL: Self = Self { rays: 4_000_000, patience: 50.0, all_values: true, seed: 1 };
 
     /// The values of a case that are looked at: all, or the tame one, one between and the most extreme.
     #[must_use]

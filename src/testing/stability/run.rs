@@ -11,7 +11,6 @@ use super::Effort;
 use super::case::{Case, Stage, Subject};
 use super::cell::{Cell, Verdict};
 use super::judge::too_rare;
-use super::place::blank;
 use super::sweep::Sweep;
 
 /// What a method is called where there is none.
@@ -116,7 +115,7 @@ impl Run<'_> {
             Ok((scene, _)) => scene,
             Err(error) => {
                 for sweep in sweeps {
-                    let cell = blank(case, value, &sweep.label);
+                    let cell = Cell::of(case, value, &sweep.label);
                     let details = error.to_string();
                     sweep.cells.push(beyond(case, Cell { verdict: Verdict::Missing, details, ..cell }));
                 }
@@ -129,12 +128,12 @@ impl Run<'_> {
                     let cell = || sweep.cell(case, value, &stage, &scene, method.integrator.as_ref(), self, stop);
                     catch_unwind(AssertUnwindSafe(cell)).unwrap_or_else(|_| {
                         let details = "it panicked".to_owned();
-                        Cell { verdict: Verdict::Fails, details, ..blank(case, value, &sweep.label) }
+                        Cell { verdict: Verdict::Fails, details, ..Cell::of(case, value, &sweep.label) }
                     })
                 }
                 Err(error) => {
                     let details = error.to_string();
-                    Cell { verdict: Verdict::Missing, details, ..blank(case, value, &sweep.label) }
+                    Cell { verdict: Verdict::Missing, details, ..Cell::of(case, value, &sweep.label) }
                 }
             };
             sweep.cells.push(beyond(case, cell));
@@ -172,7 +171,7 @@ fn number(case: &Case, value: f64, compute: fn(f64) -> super::Exact) -> Cell {
         difference: Some(difference),
         detectable: Some(exact.tolerance),
         details: if holds { String::new() } else { format!("off by {difference:.1e}") },
-        ..blank(case, value, CORE)
+        ..Cell::of(case, value, CORE)
     };
     beyond(case, cell)
 }

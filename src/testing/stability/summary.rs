@@ -23,7 +23,6 @@ pub fn outcome<'a>(cells: &[&'a Cell]) -> Outcome<'a> {
 #[cfg(test)]
 mod tests {
     use super::super::all;
-    use super::super::place::blank;
     use super::*;
 
     #[test]
@@ -32,7 +31,7 @@ mod tests {
         let cells: Vec<Cell> = [Verdict::Holds, Verdict::Holds, Verdict::Noise, Verdict::Fails]
             .into_iter()
             .zip(&case.values)
-            .map(|(verdict, &value)| Cell { verdict, ..blank(case, value, "m") })
+            .map(|(verdict, &value)| Cell { verdict, ..Cell::of(case, value, "m") })
             .collect();
         let of = |n: usize| outcome(&cells[..n].iter().collect::<Vec<_>>()).first.map(|cell| cell.verdict);
         assert_eq!([2, 3, 4].map(of), [None, Some(Verdict::Noise), Some(Verdict::Fails)]);

@@ -12,7 +12,6 @@ use super::cases::FILM;
 use super::cell::{Cell, Verdict};
 use super::judge::{Sampled, judge};
 use super::measure::{FEWEST_PASSES, LONGEST, Measured, definition};
-use super::place::blank;
 use super::run::Run;
 
 /// Exponents of rays over the parameter that make a law: below, nothing grows; above, it is a jump.
@@ -51,7 +50,7 @@ impl Sweep {
         run: &Run<'_>,
         stop: &(dyn Fn() -> bool + Sync),
     ) -> Cell {
-        let cell = blank(case, value, &self.label);
+        let cell = Cell::of(case, value, &self.label);
         let blind = integrator.supports(scene).err().or_else(|| integrator.misses(scene));
         if let Some(details) = blind {
             return Cell { verdict: Verdict::Blind, details, ..cell };
