@@ -58,7 +58,7 @@ pub(super) struct StabilityArgs {
     #[arg(long, value_name = "NAME[:setting=value…]", value_delimiter = ',')]
     integrators: Vec<String>,
 
-    /// All values of all parameters, four times as many samples, and up to 800 times where needed
+    /// All values of all parameters, four times as many samples, and up to 200 times where needed
     #[arg(long)]
     full: bool,
 

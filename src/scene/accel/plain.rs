@@ -30,6 +30,6 @@ impl LeafRay {
         let w = direction.dot(q) * scale;
         let t = along_w.dot(q) * scale;
         let inside = v >= 0.0 && w >= 0.0 && v + w <= 1.0;
-        (inside && t > 0.0 && t <= t_max).then_some(TriangleHit { t, v, w, volume: 1.0 })
+        (inside && t > 0.0 && t <= t_max).then_some(TriangleHit { t, v, w, scale: 1.0 })
     }
 }

@@ -4,7 +4,7 @@
 //! With leaves of eight triangles that is faster than the library's own traversal of its binary tree (see
 //! `tests/benches/README.md`).
 
-use glam::{DVec3, Vec3, Vec3A};
+use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
@@ -21,6 +21,8 @@ const WIDTH: usize = 8;
 #[derive(Clone, Debug)]
 pub(super) struct Tree {
     nodes: Vec<Node>,
+    /// Padding where a coordinate is zero: what lies in that plane must be met.
+    least_padding: f32,
 }
 
 /// Eight boxes, axis by axis. Unused ones are inside out, which no ray meets.
@@ -88,7 +90,10 @@ impl Tree {
         let params =
             BvhBuildParams { pre_split: false, max_prims_per_leaf: leaf_size as u32, ..BvhBuildParams::medium_build() };
         let bvh = build_bvh2(&boxes, params, &mut std::time::Duration::default());
-        let mut flattening = Flattening { bvh: &bvh, tree: Self { nodes: Vec::new() }, leaves: Leaves::default() };
+        let Aabb { min, max } = *bvh.nodes[0].aabb();
+        let least_padding = min.abs().max(max.abs()).max_element() * LEAST_PADDING;
+        let mut flattening =
+            Flattening { bvh: &bvh, tree: Self { nodes: Vec::new(), least_padding }, leaves: Leaves::default() };
         flattening.run();
         (flattening.tree, flattening.leaves)
     }
@@ -96,7 +101,7 @@ impl Tree {
     /// Calls `leaf` with each leaf that the ray may meet before `t_max`, near ones first; it answers with the new `t_max`.
     #[inline]
     pub fn visit(&self, ray: &Ray, t_max: f64, mut leaf: impl FnMut(usize) -> f64) {
-        let ray = BoxRay::new(ray);
+        let ray = BoxRay::new(ray, self.least_padding);
         let mut limit = round_up(t_max);
         let mut stack: SmallVec<[(f32, Child); 64]> = SmallVec::new();
         let mut current = Child(0);
@@ -144,7 +149,7 @@ impl Tree {
     /// Some leaf that the ray may meet before `t_max` answers yes; they are asked in no order.
     #[inline]
     pub fn any(&self, ray: &Ray, t_max: f64, mut leaf: impl FnMut(usize) -> bool) -> bool {
-        let ray = BoxRay::new(ray);
+        let ray = BoxRay::new(ray, self.least_padding);
         let limit = round_up(t_max);
         let mut stack: SmallVec<[Child; 64]> = SmallVec::new();
         let mut node = &self.nodes[0];
@@ -193,7 +198,7 @@ const PADDING: f64 = 4.0 * f32::EPSILON as f64;
 /// by 10⁻³⁷ of its length.
 const LEAST_DIRECTION: f32 = 1e-37;
 
-/// Padding, over the largest coordinate, where the one along an axis is zero: what lies in that plane must be met.
+/// The least padding over the largest coordinate of all boxes: far more than a ray leaves its plane by.
 const LEAST_PADDING: f32 = 1e-20;
 
 /// A ray in single precision, prepared for boxes.
@@ -208,13 +213,12 @@ struct BoxRay {
 
 impl BoxRay {
     #[inline]
-    fn new(ray: &Ray) -> Self {
+    fn new(ray: &Ray, least_padding: f32) -> Self {
         // A component of zero must not become an infinity, whose product with zero is NaN.
-        let direction = ray.direction.as_vec3();
-        let direction = direction.abs().max(Vec3::splat(LEAST_DIRECTION)).copysign(direction);
-        let origin = ray.origin.as_vec3();
-        let least = Vec3::splat(origin.abs().max_element() * LEAST_PADDING);
-        let pad = (origin.abs() * PADDING as f32).max(least).copysign(direction);
+        let direction = ray.direction.as_vec3a();
+        let direction = direction.abs().max(Vec3A::splat(LEAST_DIRECTION)).copysign(direction);
+        let origin = ray.origin.as_vec3a();
+        let pad = (origin.abs() * PADDING as f32 + Vec3A::splat(least_padding)).copysign(direction);
         Self {
             origin_to_near: (origin + pad).to_array(),
             origin_to_far: (origin - pad).to_array(),
@@ -285,9 +289,7 @@ fn round_up(t: f64) -> f32 {
 
 /// The box, a little larger and rounded outwards.
 fn padded(bounds: Bounds) -> Aabb {
-    let least = bounds.min.abs().max(bounds.max.abs()).max_element() * f64::from(LEAST_PADDING);
-    let pad = |corner: DVec3| (corner.abs() * PADDING).max(DVec3::splat(least));
-    let (min, max) = (bounds.min - pad(bounds.min), bounds.max + pad(bounds.max));
+    let (min, max) = (bounds.min - bounds.min.abs() * PADDING, bounds.max + bounds.max.abs() * PADDING);
     let down = |x: f64| (x as f32).next_down();
     let up = |x: f64| (x as f32).next_up();
     Aabb::new(Vec3A::new(down(min.x), down(min.y), down(min.z)), Vec3A::new(up(max.x), up(max.y), up(max.z)))

@@ -20,16 +20,15 @@ pub(super) struct TriangleHit {
     pub t: f64,
     pub v: f64,
     pub w: f64,
-    /// What the weights add up to.
-    pub volume: f64,
+    /// One over what the weights add up to.
+    pub scale: f64,
 }
 
 impl TriangleHit {
     /// Weights of the second and third corner.
     #[inline]
     pub fn barycentric(&self) -> [f64; 2] {
-        let scale = 1.0 / self.volume;
-        [self.v * scale, self.w * scale]
+        [self.v * self.scale, self.w * self.scale]
     }
 }
 
@@ -39,13 +38,9 @@ impl LeafRay {
     pub fn new(ray: &Ray) -> Self {
         let d = ray.direction.to_array();
         let [x, y, z] = d.map(f64::abs);
-        let axes = if x > y && x > z {
-            [1, 2, 0]
-        } else if y > z {
-            [2, 0, 1]
-        } else {
-            [0, 1, 2]
-        };
+        // Without branches, whose outcome nothing predicts.
+        let largest = usize::from((x <= y) | (x <= z)) * (1 + usize::from(y <= z));
+        let axes = [[1, 2, 0], [2, 0, 1], [0, 1, 2]][largest];
         let scale = 1.0 / d[axes[2]];
         Self { origin: ray.origin.to_array(), shear: [d[axes[0]] * scale, d[axes[1]] * scale], scale, axes }
     }
@@ -71,11 +66,12 @@ impl LeafRay {
         let w = b[0] * a[1] - b[1] * a[0];
         let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
         let volume = u + v + w;
-        let t = (u * a[2] + v * b[2] + w * c[2]) * self.scale / volume;
+        let scale = 1.0 / volume;
+        let t = (u * a[2] + v * b[2] + w * c[2]) * (self.scale * scale);
         if inside && volume == 0.0 {
             return self.intersect_edge_on([a, b, c], t_max);
         }
-        (inside && t > 0.0 && t <= t_max).then_some(TriangleHit { t, v, w, volume })
+        (inside && t > 0.0 && t <= t_max).then_some(TriangleHit { t, v, w, scale })
     }
 
     /// Seen edge-on all sides may round to zero, and the triangle still be the only one that the ray meets. Here they are right
@@ -85,10 +81,10 @@ impl LeafRay {
         let side = |p: [f64; 3], q: [f64; 3]| difference_of_products(p[0], q[1], p[1], q[0]);
         let (u, v, w) = (side(c, b), side(a, c), side(b, a));
         let inside = (u >= 0.0 && v >= 0.0 && w >= 0.0) || (u <= 0.0 && v <= 0.0 && w <= 0.0);
-        let volume = u + v + w;
-        let t = (u * a[2] + v * b[2] + w * c[2]) * self.scale / volume;
-        // A division by zero gives NaN, which is in no range.
-        (inside && t > 0.0 && t <= t_max).then_some(TriangleHit { t, v, w, volume })
+        let scale = 1.0 / (u + v + w);
+        let t = (u * a[2] + v * b[2] + w * c[2]) * (self.scale * scale);
+        // A division by zero gives NaN or infinity, which are in no range.
+        (inside && t > 0.0 && t <= t_max).then_some(TriangleHit { t, v, w, scale })
     }
 }
 

@@ -42,7 +42,7 @@ impl Effort {
     /// Minutes on one core.
     pub const QUICK: Self = Self { rays: 1_000_000, patience: 8.0, all_values: false, seed: 1 };
     /// An hour.
-    pub const FULL: Self = Self { rays: 4_000_000, patience: 200.0, all_values: true, seed: 1 };
+    pub const FULL: Self = Self { rays: 4_000_000, patience: 50.0, all_values: true, seed: 1 };
 
     /// The values of a case that are looked at: all, or the tame one, one between and the most extreme.
     #[must_use]
