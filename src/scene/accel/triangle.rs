@@ -47,7 +47,7 @@ impl Triangle {
         // To length one first: areas of areas leave the range of numbers early.
         let scale = edges[longest].abs().max_element().recip();
         let [p, q, r] = [longest, (longest + 1) % 3, (longest + 2) % 3].map(|edge| edges[edge] * scale);
-        let along = || p.try_normalize().map_or(DVec3::Z, |along| along.any_orthonormal_vector());
+        let along = || p.try_normalize().map_or(DVec3::Z, DVec3::any_orthonormal_vector);
         q.cross(r).try_normalize().unwrap_or_else(along)
     }
 
