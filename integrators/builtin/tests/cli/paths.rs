@@ -33,7 +33,7 @@ fn json_lines_hold_what_the_help_says() {
     let help = succeed(&["paths", "--help"]);
     let told = |name: &str| help.split(|c: char| !c.is_alphanumeric() && c != '_').any(|word| word == name);
     for path in &paths {
-        assert_eq!((&path["schema"], &path["seed"]), (&3.into(), &9.into()));
+        assert_eq!((&path["schema"], &path["seed"]), (&4.into(), &9.into()));
         assert_eq!(path["pixel"], serde_json::json!([60, 240]));
         assert!(path["sample"].as_u64().unwrap() < 3);
         let own = &path["techniques"][path["s"].as_u64().unwrap() as usize];
