@@ -69,14 +69,13 @@ struct Asked<'a> {
     refused: Option<String>,
 }
 
-/// The cells of all cases in their order by both variants, beside `ours`. `told` gets a sentence now and then.
+/// The cells of all cases in their order by both variants. `told` gets a sentence now and then.
 pub(super) fn cells(
     mitsuba: &Mitsuba,
     cases: &[Case],
     effort: Effort,
     tests: usize,
     folder: &Path,
-    ours: &[Cell],
     told: &dyn Fn(String),
 ) -> anyhow::Result<Vec<Cell>> {
     let folder = folder.join("mitsuba");
@@ -89,7 +88,7 @@ pub(super) fn cells(
         if interrupt::requested() {
             break;
         }
-        cells.extend(judged(&asked, &answers, method, ours, tests));
+        cells.extend(judged(&asked, &answers, method, tests));
     }
     Ok(cells)
 }
@@ -98,7 +97,11 @@ fn ask<'a>(cases: &'a [Case], effort: Effort) -> Vec<Asked<'a>> {
     let of_case = |case: &'a Case| {
         let Subject::Scene(stage) = case.subject else { return Vec::new() };
         let values = effort.values(case).into_iter();
-        values.map(|value| Asked { case, value, stage: stage(value), refused: None }).collect()
+        let asked = |value: f64| {
+            let stage = stage(value);
+            Asked { case, value, refused: stage.ours_alone.map(str::to_owned), stage }
+        };
+        values.map(asked).collect()
     };
     cases.iter().flat_map(of_case).collect()
 }
@@ -112,7 +115,7 @@ impl Asked<'_> {
 /// Exports all, and lists them in `cells.json`.
 fn write_scenes(asked: &mut [Asked<'_>], folder: &Path) -> anyhow::Result<()> {
     let mut cells = Vec::new();
-    for asked in asked {
+    for asked in asked.iter_mut().filter(|asked| asked.refused.is_none()) {
         let scene = &asked.stage.scene;
         let film = scene.film.unwrap_or(ExportOptions::default().film);
         let place = asked.case.file_name(asked.value);
@@ -171,17 +174,7 @@ fn serve(
     }
 }
 
-fn judged(
-    asked: &[Asked<'_>],
-    answers: &BTreeMap<String, Told>,
-    method: &str,
-    ours: &[Cell],
-    tests: usize,
-) -> Vec<Cell> {
-    let holds = |case: &Case, value: f64| {
-        let same = |cell: &&Cell| cell.case == case.name && cell.group == case.group && cell.value == value;
-        ours.iter().filter(same).any(|cell| cell.verdict == Verdict::Holds)
-    };
+fn judged(asked: &[Asked<'_>], answers: &BTreeMap<String, Told>, method: &str, tests: usize) -> Vec<Cell> {
     let mut tame: BTreeMap<String, (External, Cell)> = BTreeMap::new();
     let mut cells = Vec::new();
     for asked in asked {
@@ -206,7 +199,7 @@ fn judged(
                     seconds_per_sample: answer.seconds_per_sample.unwrap_or(f64::NAN),
                 };
                 let first = tame.get(&case.full_name()).map(|(external, cell)| (external, cell));
-                let cell = Cell::external(case, *value, method, stage, &external, first, holds(case, *value), tests);
+                let cell = Cell::external(case, *value, method, stage, &external, first, tests);
                 tame.entry(case.full_name()).or_insert_with(|| (external, cell.clone()));
                 cell
             }

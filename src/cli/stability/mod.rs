@@ -118,7 +118,7 @@ pub(super) fn run(registry: &Registry, args: &StabilityArgs) -> anyhow::Result<O
             }
         };
         let tests = run.tests() / methods.len() * (methods.len() + 2);
-        let theirs = mitsuba::cells(mitsuba, &cases, effort, tests, &args.output, &cells, &say)?;
+        let theirs = mitsuba::cells(mitsuba, &cases, effort, tests, &args.output, &say)?;
         cells.extend(theirs);
     }
     if let Ok(bar) = bar.lock() {

@@ -54,6 +54,8 @@ pub struct Stage {
     pub tolerance: f64,
     /// Paths are drawn as they are at the tame value, but for a map of space: light is no rarer.
     pub alike: bool,
+    /// Why the truth is not that of other programs, which mean another image by the same scene.
+    pub ours_alone: Option<&'static str>,
 }
 
 /// What the mean luminance of an image is.
@@ -104,7 +106,7 @@ impl Stage {
     /// A scene with a truth of its own.
     #[must_use]
     pub fn new(scene: SceneDescription, truth: f64) -> Self {
-        Self { scene, truth: Truth::Value(truth), tolerance: Self::ROUNDING, alike: false }
+        Self { scene, truth: Truth::Value(truth), tolerance: Self::ROUNDING, alike: false, ours_alone: None }
     }
 
     /// With a truth that is not known better than this.
@@ -116,6 +118,6 @@ impl Stage {
     /// A scene that has to look as the tame one does, but for a factor.
     #[must_use]
     pub fn as_tame(scene: SceneDescription, factor: f64) -> Self {
-        Self { scene, truth: Truth::Tame(factor), tolerance: Self::ROUNDING, alike: true }
+        Self { scene, truth: Truth::Tame(factor), tolerance: Self::ROUNDING, alike: true, ours_alone: None }
     }
 }

@@ -6,8 +6,8 @@ use super::case::{Case, Stage, Truth};
 use super::cell::{Cell, Verdict};
 use super::judge::{Sampled, judge, too_rare};
 
-/// What single precision loses in some hundred steps: no less is asked of it.
-const SINGLE_PRECISION: f64 = 1e-5;
+/// What single precision loses in sums of some thousand samples: no less is asked of it.
+const SINGLE_PRECISION: f64 = 2e-4;
 
 /// Independent passes of an image by another program.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -37,10 +37,9 @@ impl External {
 }
 
 impl Cell {
-    /// A value of a case by another program. `tame` are its passes for the tame value, and its cell. `others` hold at this value.
-    /// `tests` is the number of all cells.
+    /// A value of a case by another program. `tame` are its passes for the tame value, and its cell. `tests` is the number of
+    /// all cells.
     #[must_use]
-    #[allow(clippy::too_many_arguments, reason = "all that a cell is made of")]
     pub fn external(
         case: &Case,
         value: f64,
@@ -48,7 +47,6 @@ impl Cell {
         stage: &Stage,
         told: &External,
         tame: Option<(&External, &Self)>,
-        others: bool,
         tests: usize,
     ) -> Self {
         let mut cell = Cell::of(case, value, method);
@@ -76,7 +74,7 @@ impl Cell {
             ..Sampled::default()
         };
         judge(&mut cell, sampled, tests);
-        if others && !stage.alike && tame.is_some() {
+        if !stage.alike && tame.is_some() {
             too_rare(&mut cell);
         }
         let samples = told.passes.len() as u64 * told.spp * told.pixels;

@@ -115,15 +115,15 @@ pub(super) fn judge(cell: &mut Cell, mut sampled: Sampled, tests: usize) {
     };
 }
 
-/// Where others find all light in a cell, samples alone do not tell light that is too rare for a method from light that it
-/// loses: nothing is said of one that finds a small part.
+/// Samples alone do not tell light that is too rare for a method from light that it loses: nothing is said of one that finds a
+/// small part, unless light is as rare for all.
 pub(super) fn too_rare(cell: &mut Cell) {
     let share = 1.0 + cell.difference.unwrap_or(0.0);
     let right = cell.weights.unwrap_or(0.0) <= WEIGHTS && cell.definition.unwrap_or(0.0) <= DEFINITION;
     let possible = cell.invalid == Some(0) && cell.negative == Some(0) && right;
     if cell.verdict == Verdict::Fails && possible && (0.0..1.0 - COARSEST).contains(&share) {
         cell.verdict = Verdict::Noise;
-        cell.details = format!("{:.0} % of the light that others find: the rest is too rare", 100.0 * share);
+        cell.details = format!("{:.0} % of the light was found: the rest is too rare, or lost", 100.0 * share);
     }
 }
 

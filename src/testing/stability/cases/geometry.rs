@@ -169,5 +169,6 @@ fn shading_normals(tilt: f64) -> Stage {
     let mut scene = sample_in_furnace(grey(), pinhole(DVec3::Z, DVec3::ZERO, 1.0));
     let (sine, cosine) = (libm::sin(tilt.to_radians()), libm::cos(tilt.to_radians()));
     scene.meshes[0].normals = Some(vec![DVec3::new(sine, 0.0, cosine); 4]);
-    Stage::new(scene, FLOOR * 0.5 * (1.0 + cosine))
+    let why = "directions that the two normals have on different sides are black here, and not there";
+    Stage { ours_alone: Some(why), ..Stage::new(scene, FLOOR * 0.5 * (1.0 + cosine)) }
 }
