@@ -12,7 +12,7 @@ use crate::experiment::Mitsuba;
 use crate::experiment::process::{Ended, Line, run_limited};
 use crate::film::output::write_atomically;
 use crate::scene::mitsuba::{ExportOptions, export};
-use crate::testing::stability::{Case, Cell, Effort, External, Stage, Subject, Verdict};
+use crate::testing::stability::{Case, Cell, Effort, External, Stage, Subject, Verdict, beyond};
 
 use super::table::value;
 
@@ -204,7 +204,7 @@ fn judged(asked: &[Asked<'_>], answers: &BTreeMap<String, Told>, method: &str, t
                 cell
             }
         };
-        cells.push(cell);
+        cells.push(beyond(case, cell));
     }
     cells
 }
