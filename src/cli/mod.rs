@@ -12,6 +12,7 @@ mod parity;
 mod paths;
 mod progress;
 mod pyramid;
+mod python;
 mod reference;
 mod render;
 mod replay;

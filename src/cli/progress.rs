@@ -1,6 +1,6 @@
 //! What a render shows while it runs. In a pipe: nothing.
 
-use std::io::{self, IsTerminal};
+use std::io::{self, IsTerminal, Write};
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressStyle};
@@ -58,6 +58,41 @@ impl Progress {
             si(standing.rays_per_second),
             time(standing.seconds_left)
         ));
+    }
+
+    /// Removes the bar.
+    pub(crate) fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+/// How far a comparison of many cases is, on stderr: a bar in a terminal, in a pipe a line for each step.
+pub(crate) struct CaseProgress {
+    bar: ProgressBar,
+    start: Instant,
+}
+
+impl CaseProgress {
+    pub(crate) fn new() -> Self {
+        let bar = if io::stderr().is_terminal() { ProgressBar::new(1000) } else { ProgressBar::hidden() };
+        let style = ProgressStyle::with_template("[{bar:16}] {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
+        bar.set_style(style.progress_chars("=> "));
+        Self { bar, start: Instant::now() }
+    }
+
+    /// So many of all cases are done; `what` has been said of the last.
+    pub(crate) fn show(&self, done: usize, of: usize, what: &str) {
+        let left = self.start.elapsed().as_secs_f64() * (of as f64 / done as f64 - 1.0);
+        self.bar.set_position((1000 * done / of.max(1)) as u64);
+        self.say(format!("{done}/{of} {what}, {} left", time(left)));
+    }
+
+    /// Says something else.
+    pub(crate) fn say(&self, text: String) {
+        if self.bar.is_hidden() {
+            let _ = writeln!(io::stderr(), "{text}");
+        }
+        self.bar.set_message(text);
     }
 
     /// Removes the bar.

@@ -9,7 +9,6 @@ integrator have a part of their own at the bottom. DIR is the folder with stabil
 stability.png and stability.svg are written there.
 """
 
-import argparse
 import sys
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -20,7 +19,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
-from pathspace.panels import PlotError, save
+from pathspace.panels import PlotError, plot_parser, save
 
 from .table import ALONE, Row, Table, read_table
 
@@ -187,21 +186,7 @@ def draw_legend(figure: Figure, table: Table, size: tuple[float, float]) -> None
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the command line; return the exit status."""
-    parser = argparse.ArgumentParser(
-        prog="python -m pathspace.stability.figure",
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-    )
-    parser.add_argument("folder", type=Path, metavar="DIR", help="with stability.csv")
-    parser.add_argument(
-        "-o",
-        "--output",
-        type=Path,
-        action="append",
-        metavar="FILE",
-        help="may be repeated; its ending says the format",
-    )
-    options = parser.parse_args(arguments)
+    options = plot_parser(__doc__, "stability.figure").parse_args(arguments)
     files: Sequence[Path] = options.output or [
         options.folder / f"stability.{kind}" for kind in ("png", "svg")
     ]

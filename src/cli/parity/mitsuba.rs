@@ -88,24 +88,3 @@ pub(super) fn names(mitsuba: &Mitsuba, features: &[String]) -> anyhow::Result<Ve
         _ => Err(super::usage(format!("{last}; `pathspace parity --list` shows all"))),
     }
 }
-
-/// Makes the page of a finished comparison.
-pub(super) fn page(mitsuba: &Mitsuba, output: &Path) -> anyhow::Result<()> {
-    let mut command = mitsuba.command("parity.page");
-    command.arg(output);
-    let mut last = String::new();
-    let ended = run_limited(
-        &mut command,
-        LIMIT,
-        || false,
-        |line| {
-            if let Line::Error(text) = line {
-                last = text;
-            }
-        },
-    )?;
-    match ended {
-        Ended::Itself(status) if status.success() => Ok(()),
-        _ => bail!("{}: the page cannot be made: {last}", output.display()),
-    }
-}

@@ -8,23 +8,21 @@ mod points;
 mod row;
 mod table;
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc;
-use std::time::Instant;
 
 use anyhow::{anyhow, bail};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::estimator::Registry;
 use crate::experiment::Mitsuba;
 use crate::film::output::write_atomically;
 
 use super::args::ParameterArgs;
-use super::progress::time;
+use super::progress::CaseProgress;
 use super::scene::{self, LoadOptions};
-use super::{Outcome, UsageError, complain, interrupt};
+use super::{Outcome, UsageError, complain, interrupt, python};
 
 use case::Case;
 use mitsuba::Event;
@@ -97,20 +95,21 @@ pub(super) fn run(registry: &Registry, args: &ParityArgs) -> anyhow::Result<Outc
     };
     let mut rows = Vec::new();
     let ended = std::thread::scope(|scope| {
-        let python = scope.spawn(|| mitsuba::serve(&mitsuba, &job, &sender));
+        let served = scope.spawn(|| mitsuba::serve(&mitsuba, &job, &sender));
         // Events end with the process, whatever ends that.
         let mut made = Ok(());
-        let mut progress = Progress::new();
+        let (progress, mut done) = (CaseProgress::new(), 0);
         while let Ok(event) = events.recv() {
             if matches!(event, Event::Ended) {
                 break;
             }
             if made.is_ok() {
-                made = take(registry, args, &event, &mut rows, &mut progress);
+                done += 1;
+                made = take(registry, args, &event, &mut rows, (&progress, done));
             }
         }
-        progress.bar.finish_and_clear();
-        let ended = python.join().unwrap_or_else(|_| bail!("the thread that waits for Python has died"));
+        progress.finish();
+        let ended = served.join().unwrap_or_else(|_| bail!("the thread that waits for Python has died"));
         made.and(ended)
     });
     if rows.is_empty() {
@@ -119,7 +118,7 @@ pub(super) fn run(registry: &Registry, args: &ParityArgs) -> anyhow::Result<Outc
     }
     row::write(&args.output.join("parity.csv"), &rows)?;
     write_atomically(&args.output.join("parity.md"), |file| file.write_all(table::markdown(&rows).as_bytes()))?;
-    let page = mitsuba::page(&mitsuba, &args.output);
+    let page = python::make(&mitsuba, "parity.page", &args.output, "page");
     let mut out = io::stdout().lock();
     write!(out, "{}", table::table(&rows))?;
     writeln!(out, "page: {}", args.output.join("parity.html").display())?;
@@ -144,12 +143,11 @@ fn take(
     args: &ParityArgs,
     event: &Event,
     rows: &mut Vec<ParityRow>,
-    progress: &mut Progress,
+    (progress, done): (&CaseProgress, usize),
 ) -> anyhow::Result<()> {
     let cases = case::read(&args.output.join("cases.json"))?;
     let find = |name: &str| cases.iter().find(|case| case.name == name);
     let before = rows.len();
-    progress.done += 1;
     match event {
         Event::Done { case } => {
             let Some(case) = find(case) else { return Ok(()) };
@@ -165,7 +163,7 @@ fn take(
         Event::Failed { case, why } => rows.push(ParityRow::missing(case, &format!("Mitsuba: {why}"))),
         Event::Ended => {}
     }
-    progress.show(&rows[before..], cases.len());
+    show(progress, &rows[before..], done, cases.len());
     Ok(())
 }
 
@@ -198,34 +196,10 @@ fn outcome(rows: &[ParityRow]) -> Outcome {
     }
 }
 
-/// A bar in a terminal; in a pipe a line for each case.
-struct Progress {
-    bar: ProgressBar,
-    /// Cases that are finished.
-    done: usize,
-    start: Instant,
-}
-
-impl Progress {
-    fn new() -> Self {
-        let bar = if io::stderr().is_terminal() { ProgressBar::new(1000) } else { ProgressBar::hidden() };
-        let style = ProgressStyle::with_template("[{bar:16}] {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
-        bar.set_style(style.progress_chars("=> "));
-        Self { bar, done: 0, start: Instant::now() }
-    }
-
-    fn show(&self, rows: &[ParityRow], of: usize) {
-        let Some(first) = rows.first() else { return };
-        let done = self.done;
-        let left = self.start.elapsed().as_secs_f64() * (of as f64 / done as f64 - 1.0);
-        let verdict = rows.iter().map(|row| row.verdict).max().unwrap_or(Verdict::Agree);
-        let text = format!("{done}/{of} {} {verdict}, {} left", first.feature, time(left));
-        if self.bar.is_hidden() {
-            let _ = writeln!(io::stderr(), "{text}");
-        }
-        self.bar.set_position((1000 * done / of.max(1)) as u64);
-        self.bar.set_message(text);
-    }
+fn show(progress: &CaseProgress, rows: &[ParityRow], done: usize, of: usize) {
+    let Some(first) = rows.first() else { return };
+    let verdict = rows.iter().map(|row| row.verdict).max().unwrap_or(Verdict::Agree);
+    progress.show(done, of, &format!("{} {verdict}", first.feature));
 }
 
 /// An error of the user's words has its own exit code.

@@ -208,24 +208,3 @@ fn judged(asked: &[Asked<'_>], answers: &BTreeMap<String, Told>, method: &str, t
     }
     cells
 }
-
-/// Draws the picture of a folder.
-pub(super) fn picture(mitsuba: &Mitsuba, folder: &Path) -> anyhow::Result<()> {
-    let mut command = mitsuba.command("stability.figure");
-    command.arg(folder);
-    let mut last = String::new();
-    let ended = run_limited(
-        &mut command,
-        LIMIT,
-        || false,
-        |line| {
-            if let Line::Error(text) = line {
-                last = text;
-            }
-        },
-    )?;
-    match ended {
-        Ended::Itself(status) if status.success() => Ok(()),
-        _ => bail!("{}: the picture cannot be drawn: {last}", folder.display()),
-    }
-}

@@ -5,21 +5,19 @@ mod mitsuba;
 mod output;
 mod table;
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::Mutex;
-use std::time::Instant;
 
 use anyhow::anyhow;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 
 use crate::estimator::Registry;
 use crate::experiment::Mitsuba;
 use crate::testing::stability::{Case, Cell, Effort, Progress, Run, Verdict, all};
 
-use super::progress::time;
-use super::{Outcome, UsageError, complain, interrupt};
+use super::progress::CaseProgress;
+use super::{Outcome, UsageError, complain, interrupt, python};
 
 const AFTER_HELP: &str = "\
 A case is a small scene whose parameter goes from tame to extreme, with a known truth for each value: a closed form, a
@@ -100,18 +98,18 @@ pub(super) fn run(registry: &Registry, args: &StabilityArgs) -> anyhow::Result<O
     let threads = args.threads.map_or_else(available, |threads| threads as usize);
     let run = Run { registry, methods: &methods, cases: &cases, effort, threads };
     output::check(&args.output)?;
-    let python = Mitsuba::find(interrupt::requested);
-    if let (true, Err(why)) = (args.mitsuba, &python) {
+    let found = Mitsuba::find(interrupt::requested);
+    if let (true, Err(why)) = (args.mitsuba, &found) {
         return Err(anyhow!("{why}"));
     }
-    let bar = Mutex::new(Bar::new());
+    let bar = Mutex::new(CaseProgress::new());
     let told = |progress: Progress<'_>| {
         if let Ok(bar) = bar.lock() {
-            bar.show(&progress);
+            show(&bar, &progress);
         }
     };
     let mut cells = run.cells(&interrupt::requested, &told)?;
-    if let (true, Ok(mitsuba)) = (args.mitsuba && !interrupt::requested(), &python) {
+    if let (true, Ok(mitsuba)) = (args.mitsuba && !interrupt::requested(), &found) {
         let say = |text: String| {
             if let Ok(bar) = bar.lock() {
                 bar.say(text);
@@ -122,7 +120,7 @@ pub(super) fn run(registry: &Registry, args: &StabilityArgs) -> anyhow::Result<O
         cells.extend(theirs);
     }
     if let Ok(bar) = bar.lock() {
-        bar.bar.finish_and_clear();
+        bar.finish();
     }
     if !interrupt::requested() {
         cells.extend(exact::cells(registry, &cases, effort, &args.output)?);
@@ -134,7 +132,10 @@ pub(super) fn run(registry: &Registry, args: &StabilityArgs) -> anyhow::Result<O
     let mut out = io::stdout().lock();
     out.write_all(table::table(&cells).as_bytes())?;
     writeln!(out, "table: {}", args.output.join("stability.csv").display())?;
-    match python.map_err(|why| anyhow!("{why}")).and_then(|python| mitsuba::picture(&python, &args.output)) {
+    match found
+        .map_err(|why| anyhow!("{why}"))
+        .and_then(|found| python::make(&found, "stability.figure", &args.output, "picture"))
+    {
         Ok(()) => writeln!(out, "picture: {}", args.output.join("stability.png").display())?,
         Err(why) => complain("note", &format!("no picture: {why}")),
     }
@@ -176,38 +177,9 @@ fn ending(cells: &[Cell]) -> Outcome {
     }
 }
 
-/// A bar in a terminal; in a pipe a line for each case.
-struct Bar {
-    bar: ProgressBar,
-    start: Instant,
-}
-
-impl Bar {
-    fn new() -> Self {
-        let bar = if io::stderr().is_terminal() { ProgressBar::new(1000) } else { ProgressBar::hidden() };
-        let style = ProgressStyle::with_template("[{bar:16}] {msg}").unwrap_or_else(|_| ProgressStyle::default_bar());
-        bar.set_style(style.progress_chars("=> "));
-        Self { bar, start: Instant::now() }
-    }
-
-    fn show(&self, progress: &Progress<'_>) {
-        let Some(first) = progress.cells.first() else { return };
-        let Progress { done, of, cells } = progress;
-        let left = self.start.elapsed().as_secs_f64() * (*of as f64 / *done as f64 - 1.0);
-        let bad = cells.iter().filter(|cell| cell.is_bad()).count();
-        let bad = if bad > 0 { format!(" {bad} FAIL,") } else { String::new() };
-        let text = format!("{done}/{of} {}/{},{bad} {} left", first.group, first.case, time(left));
-        if self.bar.is_hidden() {
-            let _ = writeln!(io::stderr(), "{text}");
-        }
-        self.bar.set_position((1000 * done / of) as u64);
-        self.bar.set_message(text);
-    }
-
-    fn say(&self, text: String) {
-        if self.bar.is_hidden() {
-            let _ = writeln!(io::stderr(), "{text}");
-        }
-        self.bar.set_message(text);
-    }
+fn show(bar: &CaseProgress, progress: &Progress<'_>) {
+    let Some(first) = progress.cells.first() else { return };
+    let bad = progress.cells.iter().filter(|cell| cell.is_bad()).count();
+    let bad = if bad > 0 { format!(", {bad} FAIL") } else { String::new() };
+    bar.show(progress.done, progress.of, &format!("{}/{}{bad}", first.group, first.case));
 }
